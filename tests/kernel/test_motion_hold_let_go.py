@@ -5,6 +5,7 @@ from itertools import pairwise
 import pytest
 
 from axisrig.kernel.motion.jerk import JerkSlope
+from axisrig.kernel.motion.jerk_profile import JerkProfile
 from axisrig.kernel.motion.jerk_ramps import Shape
 
 FEED_MM_S = 50.0
@@ -61,3 +62,45 @@ def test_a_harder_hold_that_is_let_go_too_late_stands_before_the_path_ends(
     places = [rest.at(cycle * 1e-3)[0] for cycle in range(cycles)]
     assert places[-1] == 3.0
     assert max(b - a for a, b in pairwise(places)) <= at.speed_mm_s * 1e-3
+
+
+def let_go_late(up: JerkSlope, down: JerkSlope, hold: JerkSlope) -> tuple[JerkProfile, float]:
+    """Return the course after a hold that is let go too late, and the time until it stands."""
+    held = up.plan(3.0, FEED_MM_S, down)
+    held = held.held(2 / 3 * held.duration_s, hold, down)
+    rest = up.rest(held.state(2 / 9 * held.duration_s), 3.0, FEED_MM_S, down)
+    standing = [phase.end_s for phase in rest.phases if phase.end_mm_s < 1e-9]
+    assert rest.phases[0].start_mm < 2.9
+    assert len(standing) == 2
+    return rest, standing[0]
+
+
+@pytest.mark.parametrize("begin", [0.1, 0.5, 0.9])
+@pytest.mark.parametrize("then_mm_s", [0.5, 2.0])
+def test_where_a_path_stands_first_it_goes_on_with_the_feed_of_then(
+    begin: float, then_mm_s: float
+) -> None:
+    """An override that changes while it comes to rest counts for what follows."""
+    up, brakes, hold = (JerkSlope(*one, Shape.SIN2) for one in HARD)
+    down = brakes.after(up)
+    rest, stands_s = let_go_late(up, down, hold)
+    stands_mm, _ = rest.at(stands_s)
+    assert max(phase.end_mm_s for phase in rest.phases if phase.end_s > stands_s) > 5.5
+    slower = up.rest(rest.state(begin * stands_s), 3.0, then_mm_s, down)
+    after = [phase for phase in slower.phases if phase.start_s > (1.0 - begin) * stands_s - 1e-9]
+    assert after[0].start_mm == pytest.approx(stands_mm, abs=1e-9)
+    assert max(phase.end_mm_s for phase in after) == pytest.approx(then_mm_s, rel=1e-9)
+    from_rest = up.plan(3.0 - stands_mm, then_mm_s, down).duration_s
+    assert slower.duration_s == pytest.approx((1.0 - begin) * stands_s + from_rest, abs=1e-9)
+
+
+def test_where_a_path_stands_first_it_gains_speed_with_its_own_acceleration() -> None:
+    """A harder deceleration does not speed it up: the way from rest is that of a plan."""
+    up, brakes, hold = (JerkSlope(*one, Shape.SIN2) for one in HARD)
+    down = brakes.after(up)
+    rest, stands_s = let_go_late(up, down, hold)
+    stands_mm, _ = rest.at(stands_s)
+    from_rest = up.plan(3.0 - stands_mm, FEED_MM_S, down)
+    assert rest.duration_s == pytest.approx(stands_s + from_rest.duration_s, abs=1e-9)
+    gains = [phase.ramp.to_mm_s2 for phase in rest.phases if phase.start_s > stands_s - 1e-9]
+    assert max(gains) == pytest.approx(max(phase.end_mm_s2 for phase in from_rest.phases))

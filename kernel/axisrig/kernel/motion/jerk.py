@@ -8,6 +8,7 @@ from axisrig.kernel.motion.course import AnySlope, Ramp, State, Weights
 from axisrig.kernel.motion.jerk_profile import JerkProfile, joined
 from axisrig.kernel.motion.jerk_ramps import (
     JerkLimits,
+    Shape,
     braking,
     downwards,
     going_on,
@@ -136,11 +137,11 @@ class JerkSlope(JerkLimits):
     def _to_its_end(
         self, state: State, end_mm: float, feed_mm_s: float, deceleration: "JerkSlope"
     ) -> JerkProfile:
-        """Let the course that is under way come to its end, and go on from there.
+        """Let the course that is under way come to rest, and go on from there.
 
         It may be that of a harder hold, which these slopes cannot let go of before it stands.
         """
-        left = list(state.left)
+        left = _to_rest(state, self.shape)
         stop_mm = state.path_mm + way(state.speed_mm_s, left, self.shape)[0]
         standing = State(stop_mm, 0.0, 0.0)
         planned = _Rest(standing, end_mm, feed_mm_s, self, deceleration).planned()
@@ -183,6 +184,18 @@ class JerkSlope(JerkLimits):
         if fitted is None or (kept and _is_end(after, end_mm)):
             return joined(state, end_mm, [], list(state.left), self.shape)
         return joined(state, end_mm, kept, fitted, self.shape)
+
+
+def _to_rest(state: State, shape: Shape) -> list[Ramp]:
+    """Return the ramps that are left up to where the path stands first."""
+    speed_mm_s = state.speed_mm_s
+    ramps: list[Ramp] = []
+    for ramp in state.left:
+        if speed_mm_s < _SAME_MM and ramp.to_mm_s2 > 0.0:
+            break
+        _, speed_mm_s = way(speed_mm_s, [ramp], shape)
+        ramps.append(ramp)
+    return ramps
 
 
 def _rising(state: State) -> Ramp | None:
