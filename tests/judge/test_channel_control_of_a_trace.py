@@ -145,6 +145,26 @@ def test_dead_cycles_are_from_the_value_that_steps_to_the_one_that_shows_the_ans
     assert found.shown_ns == (STEP + way) * MS
 
 
+@pytest.mark.parametrize("size_mm", [0.003, -0.003])
+@pytest.mark.parametrize("way_mm", [1.5, -1.5])
+def test_a_step_just_above_the_noise_and_an_answer_either_way_have_dead_cycles(
+    size_mm: float, way_mm: float
+) -> None:
+    """2 um are noise. The offset moves Z alone, up or down."""
+    moved = {f"{name}.superposed_mm": np.zeros(ROWS) for name in "XY"}
+    moved["Z.superposed_mm"] = np.where((AT >= STEP) & (AT < OFF), way_mm, 0.0)
+    found = truth({**stepped(STEP - 1, STEP + 2, size_mm), **moved}).measured_dead()
+    assert (found.cycles.reaction, found.cycles.way) == (1, 2)
+
+
+def test_a_value_that_is_not_there_yet_is_no_step() -> None:
+    """The PLC gives none for 20 cycles after ON; it counts as 0, as the first one that comes."""
+    late = stepped(STEP - 1, STEP + 2)["sensor_mm"]
+    late[ON - 5 : ON + 20] = np.nan
+    found = truth({"sensor_mm": late}).measured_dead()
+    assert (found.cycles.reaction, found.cycles.way) == (1, 2)
+
+
 def metric(name: str, tool: ToolTruth) -> Observation:
     return observe(tool.observed, parse_check(name, "> -1e9", ""))
 

@@ -125,6 +125,120 @@ def test_what_is_superposed_turns_as_long_as_its_kinematic_is_on(
     assert found[:, 0].tolist() == pytest.approx(expected)
 
 
+OFF, ON, KEPT, OUT = 0, 4, 2, 3
+"""States: inactive, with a constant distance, frozen, turning off."""
+
+
+@pytest.mark.parametrize(
+    ("states", "offset_mm", "expected"),
+    [
+        (
+            [ON, ON, ON, ON, ON, ON],
+            [1.0, 2.0, 0.0, -1.0, 0.0, 0.0],
+            [0.0, 1.0, 2.0, 0.0, -1.0, 0.0],
+        ),
+        (
+            [ON, ON, KEPT, KEPT, ON, ON],
+            [1.0, 2.0, 2.0, 2.0, 3.0, 4.0],
+            [0.0, 1.0, 2.0, 2.0, 2.0, 3.0],
+        ),
+        # It runs out; its last part is on its way when the control is off
+        (
+            [ON, ON, OUT, OUT, OFF, OFF],
+            [1.0, 2.0, 1.5, 0.5, 0.0, 0.0],
+            [0.0, 1.0, 2.0, 1.5, 0.5, 0.0],
+        ),
+        # OFF NO_MOVE, while it follows and when it is frozen
+        (
+            [ON, ON, ON, OFF, OFF, OFF],
+            [1.0, 2.0, 3.0, 0.0, 0.0, 0.0],
+            [0.0, 1.0, 2.0, 0.0, 0.0, 0.0],
+        ),
+        (
+            [ON, ON, KEPT, KEPT, OFF, OFF],
+            [1.0, 2.0, 2.0, 2.0, 0.0, 0.0],
+            [0.0, 1.0, 2.0, 2.0, 0.0, 0.0],
+        ),
+        # A reset keeps it until the axes rest; ON may come in the cycle that hands it over
+        (
+            [ON, ON, OFF, OFF, OFF, OFF],
+            [1.0, 2.0, 2.0, 2.0, 0.0, 0.0],
+            [0.0, 1.0, 2.0, 2.0, 0.0, 0.0],
+        ),
+        ([ON, ON, OFF, ON, ON, ON], [1.0, 2.0, 2.0, 0.0, 0.0, 1.0], [0.0, 1.0, 2.0, 0.0, 0.0, 0.0]),
+    ],
+)
+def test_an_offset_is_sent_in_the_cycle_after_and_none_that_is_handed_over(
+    states: list[int],
+    offset_mm: list[float],
+    expected: list[float],
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Without P-CHAN-00818. What the interpolated positions take over is not on its way."""
+    found = superposed(monkeypatch, states, offset_mm, is_optimized=False)
+    assert found == pytest.approx(expected)
+    if OFF not in states and OUT not in states:
+        now = superposed(monkeypatch, states, offset_mm, is_optimized=True)
+        assert now == pytest.approx(offset_mm)
+
+
+def test_where_the_model_has_no_offset_that_of_the_kernel_counts(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    own, kernel = [1.0, np.nan, 3.0, np.nan, 5.0, 6.0], [9.0, 2.0, 9.0, 4.0, 5.5, 6.5]
+    found = superposed(
+        monkeypatch, [ON, ON, ON, ON, KEPT, OFF], own, kernel_mm=kernel, is_optimized=True
+    )
+    assert found == pytest.approx([1.0, 2.0, 3.0, 4.0, 5.5, 6.5])
+
+
+def test_a_way_whose_kinematic_went_before_it_was_chosen_keeps_what_was_there(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """The first way doubles until row 3, the second one has lost its kinematic in row 2."""
+    ways = [(way_of(2.0), slice(0, 3)), (way_of(7.0, until_ns=2 * MS), slice(3, 6))]
+    found = superposed(monkeypatch, [ON] * 6, [1.0, 2.0, 3.0, 3.0, 6.0, 1.5], ways=ways)
+    assert found == pytest.approx([2.0, 4.0, 6.0, 6.0, 12.0, 3.0])
+
+
+def way_of(gain: float, until_ns: int | None = None) -> Any:
+    return SimpleNamespace(
+        until_ns=until_ns,
+        superposed=lambda poses, offsets: poses + gain * np.asarray(offsets)[:, None],
+    )
+
+
+def superposed(
+    monkeypatch: pytest.MonkeyPatch,
+    states: list[int],
+    own_mm: list[float],
+    kernel_mm: list[float] | None = None,
+    ways: list[tuple[Any, slice]] | None = None,
+    *,
+    is_optimized: bool = True,
+) -> list[float]:
+    """What must be superposed on one axis in rows of 1 ms; own_mm: of the model of the judge."""
+    state, count = np.array(states), len(states)
+
+    class Truth(SimpleNamespace):
+        def __getitem__(self, name: str) -> Any:
+            assert name == "offset_mm"
+            return np.array(own_mm if kernel_mm is None else kernel_mm)
+
+    truth: Any = Truth(
+        listed=SimpleNamespace(is_optimized=is_optimized),
+        state=state,
+        is_active=state == ON,
+        base=np.zeros((count, 1)),
+        times_ns=np.arange(count) * MS,
+        way_rows=lambda: ways or [(way_of(1.0), slice(0, count))],
+    )
+    walked = SimpleNamespace(offset_mm=np.array(own_mm))
+    monkeypatch.setattr(tool_metrics.expected_offset, "walk", lambda _: walked)
+    found: list[float] = tool_metrics._expected_superposed(truth)[:, 0].tolist()
+    return found
+
+
 # ---- of a recording made of formulas: what is found is what was written into it
 
 U = tilted.direction(np.array([tilted.C_DEG]), np.array([tilted.A_DEG]))[0]

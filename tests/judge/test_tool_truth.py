@@ -157,6 +157,21 @@ def test_how_the_true_distance_grows_is_taken_from_the_plant_while_the_control_i
         assert other.gap_gain == pytest.approx(INCLINED[2])
 
 
+def test_how_the_true_distance_grows_is_the_usual_share_of_its_moves_up_and_down() -> None:
+    """Of three moves two show 0.8; the third one is a workpiece that has moved meanwhile."""
+    at = np.arange(ROWS)
+    for steps in ((1.0, -0.5, 2.0), (-1.0, -2.0, 0.7)):
+        rows = (STEP + 50, STEP + 100, STEP + 150)
+        moves_mm = sum(mm * (at >= row) for mm, row in zip(steps, rows, strict=True))
+        still_mm = {f"{name}.truth_mm": 0.0 * at for name in "XY"}
+        columns = {**still_mm, "Z.truth_mm": 500.0 + moves_mm,
+                   "gap.distance_true_mm": 0.8 * moves_mm + 9.0 * (at >= rows[2])}  # fmt: skip
+        found = truth("MCS", sensor=PlcSensor("gap", 1, 0), columns=columns)
+        assert found.gap_gain == pytest.approx(0.8)
+    down = {**columns, "gap.distance_true_mm": 0.6 * moves_mm}
+    assert truth("MCS", sensor=PlcSensor("gap", 1, 0), columns=down).gap_gain == pytest.approx(0.6)
+
+
 LIMITS = {"X": (50.0, 4000.0), "Y": (80.0, 900.0), "Z": (200.0, 5000.0), "C": (1.0, 1.0),
           "A": (1.0, 1.0)}  # fmt: skip
 
@@ -209,8 +224,10 @@ def test_the_pose_of_the_cycle_before_says_how_the_axes_go() -> None:
     with np.errstate(divide="ignore"):
         speeds = np.array([LIMITS[axis][0] for axis in "XYZ"]) / np.abs(u / u[:, 2:])
     assert found[:, 0] == pytest.approx(np.min(speeds, axis=1), rel=1e-3)
-    start = seen.axes_allow(0, 3)
-    assert start == pytest.approx(np.tile(LIMITS["Z"], (3, 1)), rel=1e-4)
+    start = seen.axes_allow(0, end)
+    assert start is not None
+    assert start[: begin + 1] == pytest.approx(np.tile(LIMITS["Z"], (begin + 1, 1)), rel=1e-4)
+    assert start[begin:, 0] == pytest.approx(np.min(speeds, axis=1), rel=1e-3)
 
 
 @pytest.mark.parametrize(
@@ -224,6 +241,9 @@ def test_the_pose_of_the_cycle_before_says_how_the_axes_go() -> None:
         ([0, 0, 0, 50, 50, 50, 50, 99], [(1, 0.0009)], 3),
         ([0, 0, 0, -50], [], 3),
         ([0, 15, -15, 50, 50], [], None),  # restless
+        ([0, 20, 0, 50, 50], [], 3),  # within noise
+        ([0, 21, 0, 50, 50], [], None),
+        ([0, 0, 0, 0, 50, 0, 0, 0, -50], [(2, -0.1)], 8),  # of any axis, either way
     ],
 )
 def test_dead_cycles_are_counted_from_a_step_that_comes_out_of_quiet(

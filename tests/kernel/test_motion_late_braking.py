@@ -30,11 +30,13 @@ class Part(NamedTuple):
 def fallen(change: float, start: float, end: float) -> list[Part]:
     """A deceleration that takes so much of the speed: from start up to a peak and down to end.
 
-    The peak p has (p² - start²) r/2 + (p² - end²) f/2 = change, or is the largest one, held.
+    The peak p has (p² - start²) r/2 + (p² - end²) f/2 = change, or is the largest one, held: that
+    of the list, or what a harder hold has left.
     """
     a, rise_s, fall_s = DOWN
     r, f = rise_s / a, fall_s / a
     peak = min(a, math.sqrt((2.0 * change + start * start * r + end * end * f) / (r + f)))
+    peak = max(peak, start)
     taken = 0.5 * ((peak**2 - start**2) * r + (peak**2 - end**2) * f)
     hold_s = (change - taken) / peak
     return [
@@ -79,7 +81,7 @@ def hardest(speed_mm_s: float, a: float, feed_mm_s: float) -> float:
     if a > 0.0:
         speed_mm_s += 0.5 * a * a * UP[2] / UP[0]
     rises = math.sqrt(2.0 * (speed_mm_s - feed_mm_s) * most / rise_s + now * now)
-    return min(most, rises, math.sqrt(2.0 * feed_mm_s * most / fall_s))
+    return min(max(most, now), rises, math.sqrt(2.0 * feed_mm_s * most / fall_s))
 
 
 STATES = [
@@ -91,6 +93,7 @@ STATES = [
     (90.0, 0.0, 50.0),  # with constant deceleration between
     (60.0, -300.0, 50.0),
     (90.0, -600.0, 30.0),
+    (150.0, -1200.0, 60.0),  # of a harder hold
     (90.0, 900.0, 8.0),  # what falls to 0 within the feed is the limit
 ]
 
@@ -137,7 +140,9 @@ def test_with_room_for_it_the_deceleration_ends_at_the_feed(
 
 
 @pytest.mark.parametrize("shape", Shape)
-@pytest.mark.parametrize(("speed", "now"), [(30.0, 400.0), (30.0, 700.0), (12.0, 300.0)])
+@pytest.mark.parametrize(
+    ("speed", "now"), [(30.0, 400.0), (30.0, 700.0), (12.0, 300.0), (60.0, 1200.0)]
+)
 @pytest.mark.parametrize("share", [0.1, 0.5, 0.9])
 def test_below_the_feed_a_deceleration_falls_no_further_than_the_way_lets_it(
     shape: Shape, speed: float, now: float, share: float

@@ -309,6 +309,8 @@ class _Rest:
             release_s = abs(self._a) * s3_mm
             ramps = [Ramp(self._a, 0.0, release_s)] if release_s > 0.0 else []
             return ramps, speed_mm_s + 0.5 * self._a * release_s
+        if self._a < 0.0:
+            s3_mm = self._down.falling_s3_mm
         ramps = turned(self._rising, s3_mm)
         _, change_mm_s = way(0.0, ramps, shape)
         if self._a > 0.0:
