@@ -64,43 +64,46 @@ def test_a_harder_hold_that_is_let_go_too_late_stands_before_the_path_ends(
     assert max(b - a for a, b in pairwise(places)) <= at.speed_mm_s * 1e-3
 
 
-def let_go_late(up: JerkSlope, down: JerkSlope, hold: JerkSlope) -> tuple[JerkProfile, float]:
-    """Return the course after a hold that is let go too late, and the time until it stands."""
+LATE = (800.0, 0.01, 0.02), (1000.0, 0.02, 0.05), (2000.0, 0.05, 0.005)
+"""The same: the hold falls in a tenth of the time of the deceleration."""
+
+
+def let_go_late() -> tuple[JerkSlope, JerkSlope, JerkProfile, float]:
+    """Return acceleration, deceleration, the course after a hold, and the time until it stands."""
+    up, brakes, hold = (JerkSlope(*one, Shape.SIN2) for one in LATE)
+    down = brakes.after(up)
     held = up.plan(3.0, FEED_MM_S, down)
-    held = held.held(2 / 3 * held.duration_s, hold, down)
-    rest = up.rest(held.state(2 / 9 * held.duration_s), 3.0, FEED_MM_S, down)
+    held = held.held(held.duration_s / 3, hold, down)
+    rest = up.rest(held.state(held.duration_s / 2), 3.0, FEED_MM_S, down)
     standing = [phase.end_s for phase in rest.phases if phase.end_mm_s < 1e-9]
-    assert rest.phases[0].start_mm < 2.9
     assert len(standing) == 2
-    return rest, standing[0]
+    return up, down, rest, standing[0]
 
 
-@pytest.mark.parametrize("begin", [0.1, 0.5, 0.9])
-@pytest.mark.parametrize("then_mm_s", [0.5, 2.0])
+@pytest.mark.parametrize("begin", [0.1, 0.3, 0.5])
+@pytest.mark.parametrize("then_mm_s", [0.25, 0.5, 2.0])
 def test_where_a_path_stands_first_it_goes_on_with_the_feed_of_then(
     begin: float, then_mm_s: float
 ) -> None:
     """An override that changes while it comes to rest counts for what follows."""
-    up, brakes, hold = (JerkSlope(*one, Shape.SIN2) for one in HARD)
-    down = brakes.after(up)
-    rest, stands_s = let_go_late(up, down, hold)
+    up, down, rest, stands_s = let_go_late()
     stands_mm, _ = rest.at(stands_s)
-    assert max(phase.end_mm_s for phase in rest.phases if phase.end_s > stands_s) > 5.5
+    from_rest = up.plan(3.0 - stands_mm, then_mm_s, down)
     slower = up.rest(rest.state(begin * stands_s), 3.0, then_mm_s, down)
-    after = [phase for phase in slower.phases if phase.start_s > (1.0 - begin) * stands_s - 1e-9]
-    assert after[0].start_mm == pytest.approx(stands_mm, abs=1e-9)
-    assert max(phase.end_mm_s for phase in after) == pytest.approx(then_mm_s, rel=1e-9)
-    from_rest = up.plan(3.0 - stands_mm, then_mm_s, down).duration_s
-    assert slower.duration_s == pytest.approx((1.0 - begin) * stands_s + from_rest, abs=1e-9)
+    assert slower.at((1.0 - begin) * stands_s) == pytest.approx((stands_mm, 0.0), abs=1e-9)
+    left_s = (1.0 - begin) * stands_s + from_rest.duration_s
+    assert slower.duration_s == pytest.approx(left_s, abs=1e-9)
+    middle_s = left_s - from_rest.duration_s / 2
+    assert slower.at(middle_s)[1] == pytest.approx(from_rest.at(from_rest.duration_s / 2)[1])
+    if then_mm_s < 1.0:
+        assert slower.at(middle_s)[1] == pytest.approx(then_mm_s)
 
 
 def test_where_a_path_stands_first_it_gains_speed_with_its_own_acceleration() -> None:
-    """A harder deceleration does not speed it up: the way from rest is that of a plan."""
-    up, brakes, hold = (JerkSlope(*one, Shape.SIN2) for one in HARD)
-    down = brakes.after(up)
-    rest, stands_s = let_go_late(up, down, hold)
-    stands_mm, _ = rest.at(stands_s)
-    from_rest = up.plan(3.0 - stands_mm, FEED_MM_S, down)
+    """Not with the deceleration, which is harder here: the way from rest is that of a plan."""
+    up, down, rest, stands_s = let_go_late()
+    from_rest = up.plan(3.0 - rest.at(stands_s)[0], FEED_MM_S, down)
     assert rest.duration_s == pytest.approx(stands_s + from_rest.duration_s, abs=1e-9)
-    gains = [phase.ramp.to_mm_s2 for phase in rest.phases if phase.start_s > stands_s - 1e-9]
-    assert max(gains) == pytest.approx(max(phase.end_mm_s2 for phase in from_rest.phases))
+    for share in (0.1, 0.3, 0.5, 0.8):
+        dt = share * from_rest.duration_s
+        assert rest.at(stands_s + dt)[1] == pytest.approx(from_rest.at(dt)[1], abs=1e-6)
