@@ -189,6 +189,7 @@ def make_tool_loop() -> Callable[..., ToolLoop]:
         checks_limits: bool = False,
         ref_offset_mm: float = 0.0,
         sign: int = 1,
+        refreshed: Mapping[str, Any] | None = None,
         **changes: Any,
     ) -> ToolLoop:
         head = HeadCA((HEAD_MM,), TOOL_MM) if kinematic == "head" else kinematic
@@ -210,7 +211,7 @@ def make_tool_loop() -> Callable[..., ToolLoop]:
             links,
             lambda: loop.kinematic,
             values,
-            {},
+            refreshed or {},
             MS,
         )
         loop = ToolLoop(control3d, links, values, plane or Plane(), program, head, sign)
