@@ -107,15 +107,23 @@ def test_version_2_has_one_universal_library_for_both_machines_of_macos(library,
         assert offset + size <= len(data)
 
 
-def test_universal_library_keeps_each_part_byte_by_byte(tmp_path):
-    parts = [struct.pack("<3I", 0xFEEDFACF, kind, 3) + bytes(kind) for kind in (7, 20_000)]
-    files = [tmp_path / f"part{n}" for n in range(2)]
+@pytest.mark.parametrize(
+    "lengths", [(7, 20_000), (16_384 - 12, 5), (2 * 16_384 - 12, 16_384 - 12), (16_384 - 11, 1, 9)]
+)
+def test_universal_library_keeps_each_part_byte_by_byte(tmp_path, lengths):
+    """Each begins with a page of 16 KiB of its own; one that fills its pages needs no other."""
+    parts = [struct.pack("<3I", 0xFEEDFACF, kind, 3) + bytes(kind) for kind in lengths]
+    files = [tmp_path / f"part{n}" for n in range(len(parts))]
     for file, part in zip(files, parts, strict=True):
         file.write_bytes(part)
     universal_library(files, tmp_path / "both")
     data = (tmp_path / "both").read_bytes()
+    assert struct.unpack_from(">2I", data) == (0xCAFEBABE, len(parts))
+    page = 16_384
     for number, part in enumerate(parts):
-        _, _, offset, size, _ = struct.unpack_from(">5I", data, 8 + 20 * number)
+        kind, subtype, offset, size, align = struct.unpack_from(">5I", data, 8 + 20 * number)
+        assert (kind, subtype, 1 << align) == (lengths[number], 3, page)
+        assert offset == page * (1 + sum(-(-len(before) // page) for before in parts[:number]))
         assert data[offset : offset + size] == part
 
 

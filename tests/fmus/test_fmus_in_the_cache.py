@@ -1,5 +1,6 @@
 """When an FMU is built again, and what the keys of the cache and of a wheel are made of."""
 
+import hashlib
 import os
 from collections.abc import Callable
 from pathlib import Path
@@ -10,7 +11,9 @@ import pytest
 from axisrig.fmus import MODELS, BuildError, ensure_built, ensure_own_built, is_ours
 from axisrig.fmus import build as building
 from axisrig.fmus.compiler import PLATFORMS, Compiler, this_platform
+from axisrig.fmus.shipped import Shipped
 from axisrig.fmus.sources import files_below, files_named, hash_of
+from axisrig.fmus.watching import building as announced
 from axisrig.fmus.watching import heard
 
 AXIS, PROBE = "AxisRig.Drives.ServoAxis", "AxisRig.Sensors.TouchProbe"
@@ -294,3 +297,56 @@ def test_files_come_by_name_from_whatever_depth(tmp_path: Path) -> None:
     assert names(".py", ".csv") == ["a/b/c.csv", "z.py"]
     assert names("") == ["a.mo", "a/b/c.csv", "a/z.mo", "b.mo", "c.mo.txt", "z.py"]
     assert names(".odd") == []
+
+
+def test_each_who_listens_hears_the_begin_and_the_end_until_it_goes() -> None:
+    """In whatever order they go; an end is an empty text."""
+    words: dict[str, list[str]] = {name: [] for name in "abc"}
+    listening = {name: heard(said.append) for name, said in words.items()}
+
+    def build(model: str) -> None:
+        with announced(model):
+            pass
+
+    for one in listening.values():
+        one.__enter__()
+    build("1")
+    for number, name in enumerate("bac", 2):
+        listening[name].__exit__(None, None, None)
+        build(str(number))
+
+    def heard_of(*models: int) -> list[str]:
+        return [text for number in models for text in (f"building {number}", "")]
+
+    assert words == {"a": heard_of(1, 2), "b": heard_of(1), "c": heard_of(1, 2, 3)}
+
+
+def test_an_fmu_that_came_with_the_wheel_is_ours_by_its_bytes_alone(
+    builds: Builds, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A copy of it is; a file in its place that somebody has changed is none."""
+    path = tmp_path / "shipped.fmu"
+    path.write_bytes(b"shipped")
+    one = Shipped(path, "key", hashlib.sha256(b"shipped").hexdigest())
+    monkeypatch.setattr(building, "shipped", lambda: {AXIS: one})
+    (tmp_path / "copy.fmu").write_bytes(b"shipped")
+    for place in (path, tmp_path / "copy.fmu"):
+        assert is_ours(place, builds.place)
+    path.write_bytes(b"changed")
+    assert not is_ours(path, builds.place)
+    assert is_ours(tmp_path / "copy.fmu", builds.place)
+
+
+@pytest.mark.parametrize("more", [(), (this_platform().name,)])
+def test_openmodelica_builds_for_this_platform_and_for_no_other_beside_it(
+    more: tuple[str, ...], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    asked: list[tuple[Any, ...]] = []
+    monkeypatch.setattr(building, "build_with_omc", lambda *given: asked.append(given) or given[1])
+    path = tmp_path / "a.fmu"
+    for names in ((OTHER.name, *more), (*more, OTHER.name)):
+        with pytest.raises(BuildError, match=f"builds for {this_platform().name} only"):
+            building.build(AXIS, path, platforms=names, compiler="omc")
+    assert asked == []
+    assert building.build(AXIS, path, platforms=more * 2, compiler="omc") == path
+    assert asked == [(AXIS, path, building.LIBRARY, "3.0")]

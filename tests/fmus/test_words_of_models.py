@@ -225,6 +225,13 @@ def test_the_head_of_a_description() -> None:
     head = head_of(ir, own)
     assert (head["description"], head["author"], head["license"]) == ("", "axisrig", "Apache-2.0")
     assert head["version"]
+    assert head["copyright"] == "Copyright the authors of axisrig"
+    own, ir = texts('package AxisRig\n  annotation(version = "4.5");\nend AxisRig;')
+    ir.model, ir.flat = "AxisRig.Drives.Servo", {"model_description": " a\n  servo "}
+    head = head_of(ir, own)
+    assert (head["description"], head["version"]) == ("a servo", "4.5")
+    ir.model = "AxisRigs.Servo"  # of another library
+    assert head_of(ir, own) == {"description": "a servo"}
     assert identifier_of("Lib.Inner.'a b'") == "Lib_Inner__a_b_"
 
 
