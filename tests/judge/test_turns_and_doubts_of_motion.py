@@ -213,3 +213,16 @@ def test_a_corner_is_in_doubt_in_the_steps_in_which_it_may_act(
     in_doubt = np.flatnonzero(doubts > 0.5 * left_mm)
     first, last = corner_row + 2, corner_row + 2 + 5 + buffer
     assert in_doubt.tolist() == list(range(first, last))
+
+
+@pytest.mark.parametrize("buffer", [0, 3])
+def test_a_look_at_one_step_finds_the_corners_that_may_act_in_it(buffer: int) -> None:
+    """From row 15 to 16: those of the five rows before row 14, and of as many as are buffered."""
+    counts = []
+    for corner_row in range(3, 17):
+        of, left_mm = rounded(corner_row, buffer=buffer)
+        fast = fastest(of, "Z", 15 * MS, 16 * MS)
+        assert fast is not None
+        counts.append(fast.doubt > np.pi / 1e-3 * left_mm)
+    rows = np.flatnonzero(counts) + 3
+    assert rows.tolist() == list(range(10 - buffer, 15))
