@@ -138,6 +138,29 @@ def test_a_switch_has_a_wire_as_a_probe_has() -> None:
     assert bench.beside.switches("Z")[HOME].edges == [(3 * MS, True)]
 
 
+@pytest.mark.parametrize("number", [1, 2])
+def test_a_drive_reads_what_comes_of_the_wire_at_either_input(tmp_path: Path, number: int) -> None:
+    """Crossed or not: the wire belongs to the probe, and the drive beside it has its own."""
+    rig = tmp_path / "two.toml"
+    base = RIGS / "independent-xy.toml"
+    lines = (f'base = "{base}"', "[axis.X]", 'probe_2 = "stop_y"', "[axis.Y]", 'probe_2 = "stop_x"')
+    rig.write_text("\n".join(lines), "utf-8")
+    bench = Bench(str(rig))
+    bent, plain = ("stop_x", "stop_y") if number == 1 else ("stop_y", "stop_x")
+    bench.do("probe_late", f"{bent} by=1ms").begin()
+    bench.signals[bent].add(2 * MS, True)
+    bench.clock.now_ns = 5 * MS
+    wire = bench.beside.signal(bent)
+    assert bench.beside.wires == {bent: wire}
+    for axis, place in (("X", number - 1), ("Y", 2 - number)):
+        inputs = bench.beside.probes(axis)
+        assert (inputs[place], inputs[1 - place]) == (wire, bench.signals[plain])
+        assert wire.edges == [(3 * MS, True)]
+    bench.do("crossed", "X")
+    assert bench.beside.probes("X")[2 - number] is wire
+    assert bench.beside.probes("Y")[2 - number] is wire
+
+
 def test_crossed_inputs_are_those_of_the_named_drive_alone(tmp_path: Path) -> None:
     """Each of the two drives has its own probe at input 1 and that of the other at input 2."""
     rig = tmp_path / "two.toml"

@@ -6,8 +6,11 @@ from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
 
+import pytest
+
+from axisrig.bench.machine.faults import injection
 from axisrig.bench.machine.faults.acts import Act, Injected, nothing
-from axisrig.bench.machine.faults.injection import BESIDE, inject
+from axisrig.bench.machine.faults.injection import BESIDE, build_beside, inject
 from axisrig.bench.rig.reading.faults import Fault, read_faults
 from axisrig.bench.rig.reading.file import read_rig
 from axisrig.bench.rig.settings import read_settings
@@ -52,3 +55,25 @@ def test_each_fault_has_its_act_and_its_record_where_it_is_in_the_row() -> None:
         ("Z",), ("X", "Y", "Z"), ("Y",), ("X",), ("X",), ("X", "Y", "Z"), ("Z",),
     ]  # fmt: skip
     assert len({*drawn}) == len(drawn) == 4
+
+
+def test_each_fault_beside_the_frames_draws_by_the_seed_of_the_run(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """The same numbers in every run of a seed, others with another, in the order of the row."""
+    settings = read_settings(*read_rig(RIGS / "probe-xyz.toml"), [])
+    settings.faults += [
+        one for kind, cell in CELLS for one in read_faults(kind, cell, settings.rig)
+    ]
+    beside: Any = SimpleNamespace(settings=settings)
+
+    def make(found: Any, fault: Fault, numbers: random.Random) -> Any:
+        assert found is beside
+        return fault.kind, numbers.random()
+
+    monkeypatch.setattr(injection, "BESIDE", dict.fromkeys(BESIDE, make))
+    first, again, other = (build_beside(beside, seed) for seed in (3, 3, 4))
+    assert [kind for kind, _ in first] == ["probe_stick", "encoder_freeze", "probe_stick"]
+    assert first == again
+    assert not {number for _, number in first} & {number for _, number in other}
+    assert len({number for _, number in first}) == 3

@@ -193,6 +193,60 @@ def test_an_input_that_is_taken_is_that_of_the_axis_that_has_it() -> None:
         )  # fmt: skip
 
 
+def test_each_input_of_an_axis_has_to_be_free() -> None:
+    """The force is its own and the limit behind it is taken; an output may be shared."""
+    inputs = ("f1", "f2", "limit", "brake")
+    beam: Any = SimpleNamespace(names=lambda kind: inputs if kind == "input" else ())
+
+    def named(**bound: str) -> Any:
+        of = {role: SimpleNamespace(variable=name) for role, name in bound.items()}
+        return SimpleNamespace(slave=beam, kind="axis", bound=of)
+
+    added: list[Any] = []
+    first = named(position="out", force="f1", force_limit="limit")
+    plant: Any = SimpleNamespace(
+        axes={"x": SimpleNamespace(slave=beam, roles=first)},
+        add_axis_beside=lambda *words: added.append(words),
+    )
+    settings = settings_of("gantry-pair.toml")
+    second = named(position="out", force="f2", force_limit="limit")
+    with pytest.raises(UserError, match="plant x2 writes the same input as x") as refused:
+        plants._add_beside(settings, plant, "x2", "x", second, None)
+    assert (refused.value.value, added) == ("limit", [])
+    free = named(position="out", force="f2", force_limit="brake")
+    plants._add_beside(settings, plant, "x2", "x", free, None)
+    assert added == [("x2", "x", free, None)]
+
+
+@pytest.mark.parametrize(
+    ("signals", "is_noted"),
+    [
+        ({}, True),
+        ({"probe_1": "p"}, True),
+        ({"probe_2": "p"}, True),
+        ({"limit_negative": "p"}, False),
+        ({"home_switch": "p", "limit_positive": "p"}, False),
+        ({"home_switch": "p", "probe_2": "p"}, True),
+        ({"home_switch": "other"}, True),
+    ],
+)
+def test_a_switch_needs_no_contacts_and_a_probe_does(
+    monkeypatch: pytest.MonkeyPatch, signals: dict[str, str], is_noted: bool
+) -> None:
+    """Every other note is about a switch too."""
+    world, notes = World(monkeypatch), ["no contact_z: contacts are not known", "no signal_rate"]
+    monkeypatch.setattr(
+        plants, "roles_of", lambda slave, *_: SimpleNamespace(kind="probe", notes=notes, bound={})
+    )
+    axis = SimpleNamespace(plant="z", encoder_2=None, signals=signals)
+    rig = SimpleNamespace(plant={"p": table(kind="probe")}, axis={"Z": axis})
+    settings: Any = SimpleNamespace(rig=rig, start={}, files=[])
+    monkeypatch.setattr(plants, "remarks", lambda *_: [])
+    plant = plants.build_plant(settings)
+    assert plant is world.plant
+    assert plant.notes["p"] == ["problem of p", *(notes if is_noted else notes[1:])]
+
+
 # --- roles and wires
 
 

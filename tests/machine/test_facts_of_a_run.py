@@ -76,6 +76,7 @@ def test_what_passed_the_plc_is_in_its_order_until_the_end() -> None:
         PlcEvent(5, stop),
         PlcEvent(9, stop, starts_again=True),  # noted with its stop
         PlcEvent(7, canon.ExternalWrite(block, "FEED", 0.1 + 0.2)),
+        PlcEvent(7, canon.ExternalWrite(block, "COUNT", 123456789.125)),
         PlcEvent(7, canon.TechnologyFunction(block, "M", 50)),
         PlcEvent(10, optional),
         PlcEvent(11, PlcAction("feedhold", "p.csv:2:4")),
@@ -87,10 +88,26 @@ def test_what_passed_the_plc_is_in_its_order_until_the_end() -> None:
         (5, "M0: stop", here),
         (6, "an override of 50 %", "p.csv:2:3"),
         (7, "V.E.FEED = 0.3 to the PLC", here),
+        (7, "V.E.COUNT = 123456789.125 to the PLC", here),
         (7, "M50 to the PLC", here),
         (9, "M0: started again", here),
         (10, "M1: stop", here),
     ]
+
+
+@pytest.mark.parametrize(
+    ("more", "word"),
+    [({}, "#DRIVE WR"), ({"length_bytes": 4}, "#IDENT WR"), ({"is_command": True}, "#COMMAND WR")],
+)
+def test_a_value_that_a_drive_gets_is_shown_with_all_its_digits(
+    more: dict[str, Any], word: str
+) -> None:
+    """32 bits have ten digits."""
+    block: Any = SimpleNamespace(place="part.nc:5")
+    write = canon.DriveWrite(block, "Y", "S-0-0092", 2147483647.0, waits=True, **more)
+    found = facts._drive_write(7, write)
+    assert (found.time_ns, found.axis) == (7, "Y")
+    assert found.words == f"{word} Y S-0-0092 = 2147483647"
 
 
 def test_alarms_are_those_that_came_up_and_then_the_further_ones() -> None:
@@ -199,19 +216,23 @@ def test_a_probe_leaves_its_edges_contacts_and_what_its_wire_has_passed() -> Non
         )  # fmt: skip
 
     deflection = SimpleNamespace(mm=0.25, doubt_mm=0.125, beyond_ns=9)
+    further = SimpleNamespace(mm=0.5, doubt_mm=0.0, beyond_ns=None)
     machine: Any = SimpleNamespace(
         plant=SimpleNamespace(
             probes={"p": probe(True, 1.0, (3, True), (5, False)), "s": probe(False, 250.0)}
         ),
         beside=SimpleNamespace(wires={"p": SimpleNamespace(edges=[(7, True)])}),
-        deflections=SimpleNamespace(of=lambda name: [(deflection, f"words of {name}")]),
+        deflections=SimpleNamespace(
+            of=lambda name: [(deflection, f"words of {name}"), (further, "")]
+        ),
     )
     found: Any = facts._probes(machine)
     p, s = found["p"], found["s"]
     assert [(e.time_ns, e.level) for e in p.edges] == [(3, True), (5, False)]
     assert [(e.time_ns, e.level) for e in p.passed] == [(7, True)]
     assert [(c.time_ns, c.position_mm) for c in p.contacts] == [(4, {"z": 1.5})]
-    (bent,) = p.deflections
+    bent, second = p.deflections
+    assert (second.mm, second.doubt_mm, second.beyond_ns, second.words) == (0.5, 0.0, None, "")
     assert (bent.mm, bent.doubt_mm, bent.beyond_ns) == (0.25, 0.125, 9)
     assert bent.words == "words of p"
     assert (p.has_contacts, p.edge_uncertainty_ns) == (True, 1.0)

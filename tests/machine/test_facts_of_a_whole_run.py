@@ -148,13 +148,13 @@ def test_a_program_that_does_not_end_is_given_up(tmp_path: Path, limit_s: str, t
 
 @pytest.mark.parametrize(
     ("limit_s", "asked_ms", "limit_ms"),
-    [("0.02", None, 20), ("0.02", 30, 30), ("0.5", 10, 10)],
+    [("0.02", None, 20), ("0.02", 30, 30), ("0.5", 10.5, 10.5)],
 )
 def test_a_limit_that_is_asked_for_takes_the_place_of_that_of_the_settings(
-    tmp_path: Path, limit_s: str, asked_ms: int | None, limit_ms: int
+    tmp_path: Path, limit_s: str, asked_ms: float | None, limit_ms: float
 ) -> None:
-    """A longer one as well as a shorter one."""
-    asked_ns = None if asked_ms is None else asked_ms * MS
+    """A longer one as well as a shorter one, and one that ends within a cycle."""
+    asked_ns = None if asked_ms is None else round(asked_ms * MS)
     machine = machine_of(tmp_path, f"plc:limit_s={limit_s}", text=LOOP, limit_ns=asked_ns)
     try:
         with pytest.raises(SimulatedTimeoutError, match=f"within {limit_ms / 1e3:g} s of"):

@@ -129,6 +129,18 @@ def test_those_that_were_not_used_for_longest_are_let_go(
     assert [world.used(name) for name in "xy"] == [5, 6]
 
 
+def test_those_in_use_are_not_freed_when_all_others_are(world: World) -> None:
+    """They stay known: given back, they are used again."""
+    used: Any = take_fmu(OWN, "used")
+    assert [world.used("a"), world.used("b")] == [2, 3]
+    kept_fmus.forget()
+    assert (world.closed, used.pointer) == ([2, 3], 1)
+    close_fmus([used])
+    assert [world.used("used"), world.used("a")] == [1, 4]
+    kept_fmus.forget()
+    assert world.closed == [2, 3, 1, 4]
+
+
 def test_a_machine_gives_back_axes_probes_and_sensors_each_once(world: World) -> None:
     slaves: list[Any] = [take_fmu(OWN, name) for name in "xyz"]
     forgotten: list[str] = []

@@ -59,6 +59,18 @@ def test_rest_is_20_ms_below_a_tenth_of_a_mm_per_second() -> None:
 
 
 @pytest.mark.interpreted
+@pytest.mark.parametrize("axes", [{}, {"X": object()}])
+def test_plants_go_on_to_the_sync_where_an_axis_is_simulated(axes: dict[str, Any]) -> None:
+    """Without one nothing here moves: probes alone are asked at the instants of their readers."""
+    went_ns: list[int] = []
+    plant: Any = SimpleNamespace(axes=axes, advance_to=went_ns.append)
+    mechanics = PlantMechanics(SimpleNamespace(now_ns=0), plant, waits=True)  # type: ignore[arg-type]
+    for sync_ns in (1 * MS, 2 * MS):
+        mechanics.advance_to(sync_ns)
+    assert went_ns == ([1 * MS, 2 * MS] if axes else [])
+
+
+@pytest.mark.interpreted
 @pytest.mark.parametrize(("x", "z"), [(1.001e-4, 0.0), (0.0, -1.001e-4), (-5.0, 0.0)])
 def test_an_axis_that_moves_again_begins_the_time_anew(x: float, z: float) -> None:
     rests = Rests()

@@ -20,12 +20,17 @@ from axisrig.kernel.errors import UserError
 # --- steps
 
 
-def test_steps_serve_the_drive_that_looks_farthest_on_either_side(tmp_path: Path) -> None:
+BACK, AHEAD = "input_delay_us = 4.0\ndelay_compensation_us = 44.0", "input_delay_us = 7.0"
+
+
+@pytest.mark.parametrize(("first", "second"), [(BACK, AHEAD), (AHEAD, BACK)])
+def test_steps_serve_the_drive_that_looks_farthest_on_either_side(
+    tmp_path: Path, first: str, second: str
+) -> None:
     """One drive looks 40 us back and 4 us ahead, the other one 7 us ahead and not back."""
     text = (
         "[cycle]\nexchange_us = 5000\nfine_us = 25\n"
-        "[drive.servo]\ninput_delay_us = 4.0\ndelay_compensation_us = 44.0\n"
-        '[drive.other]\ninput_delay_us = 7.0\n[axis.Y]\ndrive = "other"'
+        f'[drive.servo]\n{first}\n[drive.other]\n{second}\n[axis.Y]\ndrive = "other"'
     )
     plant = plants._empty_plant(settings_of(above(tmp_path, "probe-xyz.toml", text)))
     assert (plant.exchange_ns, plant.fine_ns) == (5_000_000, 25_000)

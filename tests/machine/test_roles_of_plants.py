@@ -170,6 +170,33 @@ def test_a_role_that_is_needed_and_left_out_is_an_error_of_the_plant(
     assert place(caught.value)[1].startswith("fmu = ")
 
 
+class Lacking:
+    """An FMU without one of its variables."""
+
+    def __init__(self, slave: FmuSlave, name: str) -> None:
+        self._slave, self._name = slave, name
+
+    def has(self, name: str) -> bool:
+        return name != self._name and self._slave.has(name)
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(self._slave, name)
+
+
+@pytest.mark.interpreted
+def test_a_role_that_neither_map_nor_fmu_has_is_an_error_of_the_fmu(
+    slaves: dict[str, FmuSlave], tmp_path: Path
+) -> None:
+    """Although the map has others."""
+    settings = rig(
+        tmp_path, "gap", '[plant.gap]\nkind = "distance"\n[plant.gap.map]\nvalid = false'
+    )
+    own: Any = Lacking(slaves["gap"], "distance")
+    with pytest.raises(UserError, match="distance") as caught:
+        plants._roles(settings, "gap", settings.rig.plant["gap"], own)
+    assert place(caught.value)[1].startswith("fmu = ")
+
+
 @pytest.mark.parametrize("name", KINDS)
 def test_the_kind_of_a_plant_follows_from_its_fmu_or_is_given(
     slaves: dict[str, FmuSlave], name: str

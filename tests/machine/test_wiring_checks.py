@@ -47,6 +47,8 @@ def task(switches: str | None = None, **inputs: str) -> Any:
         ({"encoder_2": "gap"}, None),
         ({"encoder_2": plants.LOAD}, None),
         ({"encoder_2": "z"}, "axis Z: encoder_2 must name a distance sensor"),
+        ({"encoder_2": "p", "signals": {"probe_1": "p"}}, "axis Z: encoder_2 must name a distance"),
+        ({"encoder_2": "gap", "signals": {"probe_1": "gap"}}, "axis Z: probe_1 must name a probe"),
         ({"plc": {"V.E.S": SimpleNamespace(sensor="gap")}}, None),
         ({"plc": {"V.E.S": SimpleNamespace(sensor="p")}}, "V.E.S: sensor must name a distance"),
         ({"task": task(input_1="p", input_2="fixed")}, None),
