@@ -158,9 +158,9 @@ def test_a_step_just_above_the_noise_and_an_answer_either_way_have_dead_cycles(
 
 
 def test_a_value_that_is_not_there_yet_is_no_step() -> None:
-    """The PLC gives none for 20 cycles after ON; it counts as 0, as the first one that comes."""
+    """The PLC gives none for 21 cycles after ON; it counts as 0, as the first one that comes."""
     late = stepped(STEP - 1, STEP + 2)["sensor_mm"]
-    late[ON - 5 : ON + 20] = np.nan
+    late[ON - 5 : ON + 21] = np.nan
     found = truth({"sensor_mm": late}).measured_dead()
     assert (found.cycles.reaction, found.cycles.way) == (1, 2)
 

@@ -195,10 +195,13 @@ def test_where_the_model_has_no_offset_that_of_the_kernel_counts(
 def test_a_way_whose_kinematic_went_before_it_was_chosen_keeps_what_was_there(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    """The first way doubles until row 3, the second one has lost its kinematic in row 2."""
-    ways = [(way_of(2.0), slice(0, 3)), (way_of(7.0, until_ns=2 * MS), slice(3, 6))]
+    """The first way squares until row 3, the second one has lost its kinematic in row 2."""
+    squares = SimpleNamespace(
+        until_ns=None, superposed=lambda poses, offsets: poses + np.asarray(offsets)[:, None] ** 2
+    )
+    ways = [(squares, slice(0, 3)), (way_of(7.0, until_ns=2 * MS), slice(3, 6))]
     found = superposed(monkeypatch, [ON] * 6, [1.0, 2.0, 3.0, 3.0, 6.0, 1.5], ways=ways)
-    assert found == pytest.approx([2.0, 4.0, 6.0, 6.0, 12.0, 3.0])
+    assert found == pytest.approx([1.0, 4.0, 9.0, 9.0, 18.0, 4.5])
 
 
 def way_of(gain: float, until_ns: int | None = None) -> Any:
