@@ -76,6 +76,15 @@ def test_wrong_signature(stranger: Make, value: int) -> None:
     assert [drive.read(0x1011, sub) for sub in range(4)] == [3, 1, 1, 1]
 
 
+@pytest.mark.parametrize("group", [1, 2, 3])
+def test_a_signature_is_no_value_of_its_object(stranger: Make, group: int) -> None:
+    """CiA 301, 7.5.2.13: 1010 and 1011 show how parameters are stored and restored: on command."""
+    drive = stranger()
+    for index, signature in ((0x1010, SAVE), (0x1011, LOAD)):
+        assert drive.write(index, group, signature, 4) == 0
+        assert [drive.read(index, sub) for sub in range(4)] == [3, 1, 1, 1]
+
+
 def test_process_data_is_not_stored(stranger: Make) -> None:
     drive = stranger()
     drive.write(0x6040, 0, 6, 2)
