@@ -1,0 +1,81 @@
+"""What a servo notes for the machine beside its telegrams: latches, lags, cycles, lost masters."""
+
+from typing import Any
+
+import pytest
+from tests.drive_node.servo_alone import PER_M, ServoAlone
+
+from axisrig.bench.drive.axis.drive import NO_TICK
+from axisrig.bench.drive.cia402.dictionary.profile import DriveProfile
+from axisrig.kernel.profiles.cia402.ds402 import State
+from axisrig.kernel.time.clock import MS, US
+
+OPERATES = 0x0F
+
+
+def test_the_instants_of_latches_are_those_of_each_input(fake_axis: Any, fake_signal: Any) -> None:
+    """Edges of two inputs, the second latched continuously; a reset forgets none of them."""
+    axis = fake_axis()
+    first = fake_signal(axis, (4_200_000,))
+    second = fake_signal(axis, (4_100_000, 4_700_000, 5_300_000))
+    profile = DriveProfile(input_delay_ns=0)
+    one = ServoAlone(axis, profile=profile, signals=(first, second))
+    assert one.servo.latch_instants_ns == [[], []]
+    one.write(probe_function=0x1311)  # 1: its first positive edge; 2: each positive edge
+    for _ in range(4):
+        one.cycle()
+    assert one.servo.latch_instants_ns == [[4_200_000], [4_100_000, 5_300_000]]
+
+
+def test_the_lag_at_the_ticks_between_two_cycles_is_known_with_the_next_one(fake_axis: Any) -> None:
+    """A motor that stands: its lag is the demand, which goes to a target until the next cycle.
+
+    Ticks are a quarter of a cycle apart, and the last one is at the instant of the next SYNC.
+    """
+    one = ServoAlone(fake_axis(motion=lambda _: 0.0), following_window=1 << 30)
+    peaks, cycles = [], []
+    for target_mm in (0.0, 1.0, 1.0, 0.0, 0.0):
+        one.cycle(target_position=target_mm * PER_M / 1000)
+        peaks.append(one.servo.lag_peak_m * 1000)
+        cycles.append(one.servo.sync_ns)
+    assert one.servo.tick_ns == 250 * US
+    assert cycles == [one.now_ns - MS * back for back in (4, 3, 2, 1, 0)]
+    # There and a cycle later back: 0.25, 0.5, 0.75, 1 mm, then 1 mm, then 0.75, 0.5, 0.25, 0 mm
+    increment_mm = 1000 / PER_M
+    assert peaks[2:] == pytest.approx([1.0, 1.0, 0.75], abs=increment_mm)
+    assert peaks[:2] == [0.0, 0.0]
+
+
+def test_where_no_tick_is_needed_there_is_no_lag_between_two_cycles(fake_axis: Any) -> None:
+    one = ServoAlone(fake_axis(motion=lambda _: 0.0), following_window=0xFFFF_FFFF)
+    for _ in range(3):
+        one.cycle(target_position=PER_M / 1000)
+        assert one.servo.lag_peak_m == NO_TICK
+    one.write(following_window=1 << 30)
+    one.cycle()
+    one.cycle()
+    assert one.servo.lag_peak_m > 0.0
+
+
+@pytest.mark.parametrize(
+    ("option", "state", "word"),
+    [
+        (0, State.OPERATION_ENABLED, OPERATES), (1, State.FAULT, OPERATES),
+        (2, State.SWITCH_ON_DISABLED, 0x0000), (3, State.SWITCH_ON_DISABLED, 0x0002),
+    ],
+)  # fmt: skip
+def test_a_lost_master_is_what_6007_says(
+    fake_axis: Any, option: int, state: State, word: int
+) -> None:
+    """CiA 402-2: nothing, fault, disable voltage, quick stop; 6040 shows the command of the drive.
+
+    An emergency comes with the fault alone, and the statusword is reported by the two commands.
+    """
+    one = ServoAlone(fake_axis(), abort_option=option)
+    before = one.changes
+    one.servo.connection_lost(one.now_ns, 0x8130)
+    assert one.changes - before == (1 if option in (2, 3) else 0)
+    one.run_ms(400)
+    one.cycle()
+    assert (one.servo.state, one.image.controlword) == (state, word)
+    assert [code for code, _, _ in one.sent] == ([0x8130] if option == 1 else [])
