@@ -221,6 +221,19 @@ def test_emergency_is_received_and_awaited_by_code(pair: Pair) -> None:
     assert pair.segment.now_ns == before_ns + 500 * MS
 
 
+@pytest.mark.parametrize("codes", [(0x8611, 0x8110), (0x8110, 0x8611), (0x8611, 0x8120, 0x8110)])
+def test_an_emergency_of_another_code_is_not_the_one_that_is_awaited(
+    pair: Pair, codes: tuple[int, ...]
+) -> None:
+    """Whether its code is the greater or the smaller one; each comes 1 ms after the other."""
+    for number, code in enumerate(codes, 1):
+        pair.later(number * MS, lambda code=code: pair.local.emcy.send(code))
+    found = pair.remote.emcy.wait(codes[-1], timeout=0.1)
+    assert found is not None
+    assert found.code == codes[-1]
+    assert pair.segment.now_ns > len(codes) * MS
+
+
 def test_pdo_is_received_into_a_buffer_of_its_own(pair: Pair) -> None:
     other = SimNetwork(pair.segment.port("other")).connect()
     twin = SimRemoteNode(3, dictionary())

@@ -276,4 +276,6 @@ def test_the_load_of_what_goes_out_and_comes_in_is_kept_where_it_is_wanted(
     bits = frame_bits(data_frame(0x201, b"\x01\x02")) + frame_bits(data_frame(0x181, b"\1\2\3"))
     figures = segment.load()
     assert (figures.frames, figures.busy_bits) == ((2, bits) if keeps_load else (0, 0))
+    busy_ns = bits * 10**9 / segment.bitrate if keeps_load else 0
+    assert figures.busy_share * figures.until_ns == pytest.approx(busy_ns, abs=2)
     assert set(figures.worst_delay_ns) == ({0x201, 0x181} if keeps_load else set())
