@@ -71,6 +71,7 @@ def test_python_can_reads_its_logs_back(
             assert frame.is_remote_frame or bytes(msg.data) == frame.data
 
 
+@pytest.mark.long
 def test_candump_names_the_segment(segment: Segment, tmp_path: Path) -> None:
     play(segment, tmp_path / "bus.log")
     first = (tmp_path / "bus.log").read_text().splitlines()[0]

@@ -31,11 +31,13 @@ def frames(draw: st.DrawFn) -> Frame:
     return Frame(can_id, b"" if remote else data, extended, remote, len(data))
 
 
+@pytest.mark.long
 @given(frames())
 def test_length_equals_the_naive_wire(naive_bits: Bits, frame: Frame) -> None:
     assert frame_bits(frame) == naive_bits(frame)
 
 
+@pytest.mark.long
 @given(frames())
 def test_levels_are_those_of_the_naive_wire(
     naive_wire: Callable[[int, bytes, bool, bool, int], str], frame: Frame
@@ -91,6 +93,7 @@ def test_table_of_standard_frames(
     assert mean(lengths) == pytest.approx(average, abs=0.75)
 
 
+@pytest.mark.long
 @given(frames())
 def test_no_data_frame_is_longer_than_the_worst_case(frame: Frame) -> None:
     if not frame.is_remote_frame:
@@ -102,6 +105,7 @@ def test_worst_case_of_extended_frames() -> None:
     assert [worst_case_bits(n, extended=True) for n in (0, 8)] == [67 + 13, 67 + 64 + 29]
 
 
+@pytest.mark.long
 @given(frames(), frames())
 def test_lower_key_is_the_lower_arbitration_field_on_the_wire(one: Frame, two: Frame) -> None:
     """The wire is a wired AND: the field with the first 0 where the other has a 1 wins."""

@@ -104,6 +104,7 @@ def test_900001_when_the_position_never_comes(channel_bench: Make, words: Any) -
 # Exact stop
 
 
+@pytest.mark.long
 @pytest.mark.provokes(70082, 5, axis="Z", window_mm="0.0100", ms=51)
 def test_70082_when_an_axis_stays_outside_its_window(channel_bench: Make, words: Any) -> None:
     bench = channel_bench(
@@ -190,6 +191,7 @@ def test_a_faulty_drive_is_not_switched_on_again(channel_bench: Make, words: Any
     assert not any(word & 0x80 for word in words_sent)
 
 
+@pytest.mark.long
 def test_an_alarm_of_a_standing_axis_brakes_the_moving_one(channel_bench: Make, words: Any) -> None:
     """Y moves; Z stands, is pushed 0.5 mm away, and its drive faults."""
     bench = channel_bench(words.axis("Y"), words.axis("Z"))
@@ -203,6 +205,7 @@ def test_an_alarm_of_a_standing_axis_brakes_the_moving_one(channel_bench: Make, 
     _assert_braked(bench.set_mm("Y"), 50.0)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("moving", [True, False])
 @pytest.mark.provokes(900006, 7, axis="Z", pdo="TPDO1", cycles=4)
 def test_900006_ends_the_program(channel_bench: Make, words: Any, moving: bool) -> None:
@@ -217,6 +220,7 @@ def test_900006_ends_the_program(channel_bench: Make, words: Any, moving: bool) 
     assert bench.channel.alarms[0].place == ("line 1, block N10" if moving else None)
 
 
+@pytest.mark.long
 def test_an_alarm_names_the_block_under_execution(channel_bench: Make, words: Any) -> None:
     """N20 moves when the telegrams stay out."""
     bench = channel_bench(words.axis("Z"))
@@ -284,6 +288,7 @@ def test_900005_asks_for_a_fault_that_came_before_anybody_listened(
     assert bench.scheduler.now_ns < 200 * MS
 
 
+@pytest.mark.long
 def test_a_drive_that_knows_no_code_is_faulty_all_the_same(channel_bench: Make, words: Any) -> None:
     bench = channel_bench(words.axis("Z"))
     bench.scheduler.run_until(5 * MS)
@@ -326,6 +331,7 @@ def test_an_alarm_of_the_interpreter_ends_the_program_standing(
 # From outside
 
 
+@pytest.mark.long
 @pytest.mark.provokes(900070, 4)
 @pytest.mark.provokes(900071, 7, segment="can1", reason="adapter is gone")
 @pytest.mark.parametrize(

@@ -85,6 +85,7 @@ def test_what_waits_is_seen(channel_bench: Make, words: Any) -> None:
     assert 58 * MS < rows.begin_ns[2] - rows.due_ns[2] < 150 * MS
 
 
+@pytest.mark.long
 def test_a_loop_that_asks_the_plc_side_is_one_row(channel_bench: Make, words: Any) -> None:
     block = Block(1, 10, "N10 $WHILE V.E.X == 0")
     bench = channel_bench(words.axis("Z"))

@@ -83,6 +83,7 @@ def _gap_ns(bench: Any, words: Any, *, waits: bool) -> int:
     return next(s.time_ns for s in bench.samples if s.set_mm[0] > 0) - sent_ns
 
 
+@pytest.mark.long
 def test_wait_holds_the_program_until_the_drive_has_taken_it(
     channel_bench: Make, words: Any
 ) -> None:

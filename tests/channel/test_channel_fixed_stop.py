@@ -181,6 +181,7 @@ def test_err_no_signal_of_meas_changes_nothing_in_type_7(channel_bench: Make, wo
         assert not bench.channel.measurement_ok("Z")
 
 
+@pytest.mark.long
 @pytest.mark.provokes(900240, 4, axes="Z")
 def test_900240_ends_the_program_with_the_monitoring_on_again(
     channel_bench: Make, words: Any

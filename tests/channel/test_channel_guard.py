@@ -73,6 +73,7 @@ def test_a_jump_is_not_sent_and_its_axis_brakes_from_the_last_legal_position(
     assert 10.0 - 0.04 < last_legal_mm <= 10.0 + 0.04
 
 
+@pytest.mark.long
 def test_two_axes_that_jump_in_one_cycle_both_brake_by_themselves(
     channel_bench: Make, words: Any
 ) -> None:

@@ -59,6 +59,7 @@ class Decoding:
         return next(s.time_ns for s in self.bench.samples if s.set_mm[0] == position_mm)
 
 
+@pytest.mark.long
 def test_without_a_reason_nothing_waits(channel_bench: Make, words: Any) -> None:
     """All blocks are decoded in the first cycle, and the axis never stands between them."""
     bench = channel_bench(words.axis("Z"))
@@ -67,6 +68,7 @@ def test_without_a_reason_nothing_waits(channel_bench: Make, words: Any) -> None
     assert [bench.set_mm("Z").count(z) for z in (1.0, 2.0)] == [1, 1]
 
 
+@pytest.mark.long
 def test_a_value_of_the_plc_side_is_read_when_the_machine_got_there(
     channel_bench: Make, words: Any
 ) -> None:
@@ -80,6 +82,7 @@ def test_a_value_of_the_plc_side_is_read_when_the_machine_got_there(
     assert decoding.moves_ns(2) > decoding.reaches_ns(2.0)
 
 
+@pytest.mark.long
 def test_blocks_behind_a_synchronous_message_are_decoded_when_it_is_out(
     channel_bench: Make, words: Any
 ) -> None:
@@ -114,6 +117,7 @@ def test_a_value_for_the_plc_side_is_given_out_between_the_moves(
     assert bench.set_mm("Z") == without.set_mm("Z")  # giving out a value stops nothing
 
 
+@pytest.mark.long
 def test_blocks_behind_a_programmed_stop_are_decoded_when_the_program_goes_on(
     channel_bench: Make, words: Any
 ) -> None:
@@ -123,6 +127,7 @@ def test_blocks_behind_a_programmed_stop_are_decoded_when_the_program_goes_on(
     assert done.at_ns(3) >= done.reaches_ns(2.0) + 50_000_000
 
 
+@pytest.mark.long
 def test_a_loop_that_asks_the_plc_side_goes_on_when_the_value_comes(
     channel_bench: Make, words: Any
 ) -> None:

@@ -35,6 +35,7 @@ def test_type_2_goes_at_the_speed_of_the_parameter_list(
     assert bench.channel.records[0].latched_mm["Z"] == pytest.approx(120.0, abs=INCREMENT_MM)
 
 
+@pytest.mark.long
 def test_type_2_always_wants_a_signal(channel_bench: Make, words: Any) -> None:
     for allowed in (None, False):
         bench = channel_bench(words.axis("Z", start_mm=130.0))
@@ -44,6 +45,7 @@ def test_type_2_always_wants_a_signal(channel_bench: Make, words: Any) -> None:
         assert bench.final_mm("Z") == 128.0
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(("kind", "end_mm"), [(1, 128.0), (2, 126.0), (5, 128.0)])
 def test_p_axis_00114_lengthens_type_2_only(
     channel_bench: Make, words: Any, kind: int, end_mm: float
@@ -150,6 +152,7 @@ def test_types_2_and_4_are_slow_enough_for_the_stroke(
     assert at_brake_mm - bench.final_mm("Z") == pytest.approx(0.1, abs=1e-9)
 
 
+@pytest.mark.long
 def test_900222_names_the_speed_that_was_programmed(channel_bench: Make, words: Any) -> None:
     """F60000 on an axis of 500 mm/s: the user looks for 60000, not for 30000."""
     bench = channel_bench(words.axis("Z", start_mm=130.0, stroke_mm=0.1), plane_mm=120.0)
@@ -166,6 +169,7 @@ def test_a_speed_within_the_stroke_stays_as_it_is(channel_bench: Make, words: An
     assert _top_speed_mm_s(bench, "Z") == pytest.approx(848.0 / 60)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("kind", [1, 3, 5])
 def test_other_types_know_no_stroke(channel_bench: Make, words: Any, kind: int) -> None:
     bench = channel_bench(words.axis("Z", start_mm=130.0, stroke_mm=0.0), plane_mm=120.0)
@@ -272,6 +276,7 @@ def test_where_a_signal_is_wanted_a_value_that_is_refused_is_none(
     assert bench.channel.measured_acs_mm("Z") is None
 
 
+@pytest.mark.long
 def test_the_share_of_an_axis_in_the_path_counts(channel_bench: Make, words: Any) -> None:
     """X moves by 0.6 of a path whose slopes are those of both axes; only Z has the long time."""
     x = words.axis("X", start_mm=0.0, delay_ns=50 * MS)

@@ -52,6 +52,7 @@ def test_feed_on_a_small_circle_is_what_the_axes_allow(channel_bench: Any, words
     assert fastest == pytest.approx(math.sqrt(5000 / math.sqrt(2)), rel=1e-3)
 
 
+@pytest.mark.long
 def test_an_alarm_brakes_on_the_circle(channel_bench: Any, words: Any) -> None:
     bench = two_axes(channel_bench, words)
     bench.prepare([circle(5.0, 1200.0), words.end()])
@@ -103,6 +104,7 @@ def test_dwell_is_whole_cycles_and_no_less_than_the_time(
     assert standing(moves) - without == cycles
 
 
+@pytest.mark.long
 def test_without_exact_stop_the_next_block_begins_where_the_set_position_stands(
     channel_bench: Any, words: Any
 ) -> None:
@@ -114,6 +116,7 @@ def test_without_exact_stop_the_next_block_begins_where_the_set_position_stands(
     assert course[at + 1] > 1.0
 
 
+@pytest.mark.long
 def test_exact_stop_waits_for_the_window(channel_bench: Any, words: Any) -> None:
     """Kv 20, 10 mm/s: 0.5 mm of lag decays into 1 um in ln(500) / 20 = 0.31 s, less the ramp."""
     window_mm, kv = 0.001, 20.0
@@ -133,6 +136,7 @@ def test_exact_stop_waits_for_the_window(channel_bench: Any, words: Any) -> None
     assert (time_ns - stood_ns) / 1e9 == pytest.approx(math.log(0.45 / window_mm) / kv, abs=0.03)
 
 
+@pytest.mark.long
 def test_programmed_stop_lasts_until_the_operator_starts(channel_bench: Any, words: Any) -> None:
     settings = ChannelSettings(start_after_ns=250 * MS)
     bench = channel_bench(words.axis("X"), settings=settings)
@@ -175,6 +179,7 @@ def test_programmed_stop_without_an_operator_ends_the_program(
     assert set(bench.set_mm("X")) == {0.0}
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(("on", "alarms"), [(False, []), (True, [900170])])
 def test_optional_stop_acts_only_when_it_is_switched_on(
     channel_bench: Any, words: Any, on: bool, alarms: list[int]

@@ -80,6 +80,7 @@ def test_above_100_percent_the_limits_of_the_axes_hold(channel_bench: Make, word
     assert (max(speeds[:half]), max(speeds[half:])) == (72.0, 80.0)
 
 
+@pytest.mark.long
 def test_a_measuring_run_keeps_within_the_stroke_of_its_probe_at_200_percent(
     channel_bench: Make, words: Any
 ) -> None:
@@ -223,6 +224,7 @@ def test_an_override_back_at_100_percent_is_taken_each_time(
     assert seen == pytest.approx([50.0, 15.0] * 2, abs=2e-6)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     ("profile", "after"),
     [
@@ -260,6 +262,7 @@ def test_an_override_that_changes_while_the_path_brakes_at_a_signal_leaves_the_b
     assert course_of(True) == course_of(False)
 
 
+@pytest.mark.long
 def test_an_override_of_0_holds_the_path_until_it_is_above(channel_bench: Make, words: Any) -> None:
     bench = channel_bench(words.axis("Z"))
     plc = bench.channel.plc

@@ -102,11 +102,13 @@ def test_the_actual_position_of_the_cycle_that_sees_the_signal_is_the_value(
     assert 0.0 < past_mm <= 10.0e-3 + INCREMENT_MM  # up to a cycle at 10 mm/s
 
 
+@pytest.mark.long
 def test_an_enabled_probing_position_is_the_value(channel_bench: Make, words: Any) -> None:
     bench, _ = _run(channel_bench, words, "PLC", position_units=1_234_567)
     assert bench.channel.measured_acs_mm("Z") == pytest.approx(123.4567, abs=1e-9)
 
 
+@pytest.mark.long
 def test_a_stamp_gives_the_place_at_its_instant(channel_bench: Make, words: Any) -> None:
     """Ten cycles before the signal is seen the axis was 0.1 mm higher."""
     bench, _ = _run(channel_bench, words, "PLC_TIMESTAMP", stamp=lambda now_ns: now_ns - 10 * MS)
@@ -116,6 +118,7 @@ def test_a_stamp_gives_the_place_at_its_instant(channel_bench: Make, words: Any)
     assert PLANE_MM - 10.0e-3 - 0.001 < seen_mm < PLANE_MM + 0.001
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(("known_cycles", "is_found"), [(120, True), (10, False)])
 def test_an_edge_before_the_rest_is_waited_for_as_long_as_the_task_may_be_late(
     channel_bench: Make, words: Any, known_cycles: int, is_found: bool
@@ -146,6 +149,7 @@ def test_an_edge_before_the_rest_is_waited_for_as_long_as_the_task_may_be_late(
         assert measured_mm is None
 
 
+@pytest.mark.long
 def test_a_level_that_hardware_shows_until_it_is_enabled_ends_no_run(
     channel_bench: Make, words: Any
 ) -> None:
@@ -222,12 +226,14 @@ def test_900401_for_a_stamp_that_is_not_enabled(channel_bench: Make, words: Any)
     assert (bench.alarm_ids, bench.channel.records[0].latched_mm) == ([900401], {})
 
 
+@pytest.mark.long
 @pytest.mark.provokes(900402, 4, axis="Z")
 def test_900402_when_the_task_falls_silent_in_a_run(channel_bench: Make, words: Any) -> None:
     bench, _ = _run(channel_bench, words, "PLC", stops_ns=180 * MS)
     assert (bench.alarm_ids, bench.channel.records[0].latched_mm) == ([900402], {})
 
 
+@pytest.mark.long
 @pytest.mark.provokes(900403, 4, axis="Z", ahead_us="10")
 @pytest.mark.provokes(900404, 4, axis="Z")
 @pytest.mark.provokes(900405, 4, axis="Z")
@@ -275,6 +281,7 @@ def test_900227_for_an_input_that_the_source_does_not_have(channel_bench: Make, 
     assert bench.alarm_ids == [900227]
 
 
+@pytest.mark.long
 def test_an_input_of_external_hardware_is_none_of_the_drive(
     channel_bench: Make, words: Any
 ) -> None:
@@ -338,6 +345,7 @@ def test_a_preparation_ends_with_the_program_at_the_latest(
     assert side.unit.order.task is LatchTask.DISABLE  # at the end nobody reads it any more
 
 
+@pytest.mark.long
 def test_a_preparation_that_is_reset_switches_the_probe_off(
     channel_bench: Make, words: Any
 ) -> None:
@@ -416,6 +424,7 @@ def test_the_level_of_a_signal_that_nothing_has_asked_for_is_not_that_of_the_dri
     assert set(found) == {(False, None)}
 
 
+@pytest.mark.long
 def test_meas_waits_for_a_probe_at_the_plc_that_an_axis_beside_the_path_has_armed(
     channel_bench: Make, words: Any
 ) -> None:

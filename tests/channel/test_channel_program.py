@@ -59,6 +59,7 @@ def test_a_synchronous_message_comes_when_the_machine_got_there(
     assert _at(bench, end_ns).set_mm == (10.0,)
 
 
+@pytest.mark.long
 def test_a_later_move_is_waited_for_as_the_first_one(channel_bench: Make, words: Any) -> None:
     """Ten cycles inside the window, counted anew: once in position is not always in position."""
     bench = channel_bench(words.axis("Z", kv=400.0, window_mm=0.01)).run(
@@ -73,6 +74,7 @@ def test_a_later_move_is_waited_for_as_the_first_one(channel_bench: Make, words:
     assert len(stands) > 10
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("buffer_cycles", [0, 5])
 def test_a_wait_lasts_until_the_buffer_is_empty(
     channel_bench: Make, words: Any, buffer_cycles: int
@@ -144,6 +146,7 @@ def test_a_move_to_where_the_axes_are_is_no_motion(channel_bench: Make, words: A
     assert set(bench.set_mm("Z")) == {0.0}
 
 
+@pytest.mark.long
 def test_nothing_is_asked_of_the_drives_before_all_of_them_are_enabled(
     channel_bench: Make, words: Any
 ) -> None:

@@ -148,6 +148,7 @@ def test_p_axis_00467_of_the_strictest_axis_counts_along_the_path(
     assert bench.final_mm("Z") == pytest.approx(42.0, abs=1e-9)
 
 
+@pytest.mark.long
 def test_a_g1_is_not_lengthened(channel_bench: Make, words: Any) -> None:
     bench = channel_bench(words.axis("Z", start_mm=130.0, probing_offset_mm=2.0))
     bench.run([words.move(1, 3000.0, Z=110.0), words.end()])

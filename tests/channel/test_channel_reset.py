@@ -66,6 +66,7 @@ def begun(bench: ChannelBench) -> int:
     return next(k for k, s in enumerate(bench.samples) if s.time_ns >= bench.channel.start_ns)
 
 
+@pytest.mark.long
 def test_the_path_stops_with_its_deceleration_and_the_next_program_goes_on_from_there(
     channel_bench: Make, words: Any
 ) -> None:
@@ -165,6 +166,7 @@ def test_a_homing_ends_and_the_drive_follows_the_next_program(
         assert place(time_ns) == pytest.approx(place(time_ns - 10 * MS), abs=1e-8)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("how", ["end", "reset", "alarm"])
 def test_a_coupling_is_one_of_its_program(channel_bench: Make, words: Any, how: str) -> None:
     """X2 follows X to 0.5 mm and allows 5 mm/s; the next program moves X alone, with 10 mm/s."""
@@ -203,6 +205,7 @@ def test_a_run_ends_without_a_result_and_its_probe_is_off(channel_bench: Make, w
     assert second.latched_mm["Z"] == pytest.approx(30.0, abs=1e-4)
 
 
+@pytest.mark.long
 @pytest.mark.provokes(900290, 1, state="RUNNING")
 def test_a_start_is_refused_while_a_program_runs_and_behind_an_alarm(
     channel_bench: Make, words: Any
@@ -330,6 +333,7 @@ def test_no_program_finds_what_another_one_has_measured(channel_bench: Make, wor
     assert found == [pytest.approx(35.0, abs=1e-4), None]
 
 
+@pytest.mark.long
 def test_what_the_bus_has_done_once_is_over_with_the_reset(channel_bench: Make, words: Any) -> None:
     """5 ms of a node that sends without pause hold a SYNC back; a TPDO1 comes a byte too short."""
     bench = channel_bench(words.axis("Z"))

@@ -53,6 +53,7 @@ def test_mode_1_behind_the_axis_signals_at_once_and_beyond_the_target_never(
     assert not _run(channel_bench, words, 1, 1_090_000).channel.measurement_ok("Z")
 
 
+@pytest.mark.long
 def test_mode_2_signals_after_so_many_cycles(channel_bench: Make, words: Any) -> None:
     """10 ms of ramp are 0.05 mm, then 0.01 mm a cycle: 500 cycles are 4.95 mm."""
     assert _value(_run(channel_bench, words, 2, 500)) == pytest.approx(130 - 4.95, abs=1e-6)

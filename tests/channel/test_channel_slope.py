@@ -102,6 +102,7 @@ def at_cycles(bench: ChannelBench, of: dict[int, Callable[[], None]]) -> None:
     bench.channel.observers.append(turn)
 
 
+@pytest.mark.long
 def test_a_feedhold_inside_the_first_ramp(channel_bench: Make, words: Any) -> None:
     """After 20 ms: j t³/6 + 5 j t³/6 while the acceleration falls + j t³ from j t² down.
 

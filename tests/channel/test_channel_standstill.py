@@ -100,6 +100,7 @@ def test_an_edge_counts_up_to_the_standstill(
             assert record.latched_mm["Z"] == pytest.approx(latch_mm, abs=1 / INCREMENTS_PER_MM)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("late_ns", [0, 1, 15 * MS])
 def test_type_2_does_not_hide_its_alarm(channel_bench: Make, words: Any, late_ns: int) -> None:
     """Up to 16 cycles after the standstill an edge once took the place of the alarm."""
@@ -108,6 +109,7 @@ def test_type_2_does_not_hide_its_alarm(channel_bench: Make, words: Any, late_ns
     assert bench.alarm_ids == ([] if late_ns == 0 else [900004])
 
 
+@pytest.mark.long
 def test_the_axis_comes_to_rest_long_after_it_has_entered_its_window(
     channel_bench: Make, words: Any
 ) -> None:
@@ -126,6 +128,7 @@ def test_the_axis_comes_to_rest_long_after_it_has_entered_its_window(
     assert 0 < record.end_ns - rig.rest_sync_ns() < MS
 
 
+@pytest.mark.long
 def test_an_edge_within_the_overtravel_is_a_measurement(channel_bench: Make, words: Any) -> None:
     """P-AXIS-00467 moves the end of the run: 0.5 mm behind the target, 0.3 mm before the end."""
     for plane_mm, counts in ((128.5, True), (128.1, False)):

@@ -40,6 +40,7 @@ def run(channel_bench: Make, words: Any, *commands: canon.Command, armed: bool) 
     return bench
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("choice", CHOICES)
 def test_a_choice_waits_for_the_end_of_a_run_beside_the_path(
     channel_bench: Make, words: Any, choice: str
@@ -52,6 +53,7 @@ def test_a_choice_waits_for_the_end_of_a_run_beside_the_path(
     assert record.latched_mm["Z"] == pytest.approx(PLANE_MM, abs=1e-4)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("choice", CHOICES)
 def test_a_choice_does_not_wait_where_nothing_measures(
     channel_bench: Make, words: Any, choice: str
@@ -79,6 +81,7 @@ def test_a_choice_right_behind_the_block_waits_although_nothing_is_armed_yet(
     assert record.latched_mm["Z"] == pytest.approx(PLANE_MM, abs=1e-4)
 
 
+@pytest.mark.long
 def test_without_a_choice_a_program_goes_on_beside_a_run(channel_bench: Make, words: Any) -> None:
     bench = run(channel_bench, words, armed=True)
     ((shown_ns, _),) = bench.messages

@@ -87,6 +87,7 @@ def test_class_2_brakes_axes_that_move_by_themselves(channel_bench: Make, words:
     assert bench.final_mm("Z") - z_mm == pytest.approx(50.0**2 / 8000.0, abs=1e-9)
 
 
+@pytest.mark.long
 def test_class_2_brakes_a_run_on_the_path(channel_bench: Make, words: Any) -> None:
     """What is decoded is carried out, but nobody waits for the signal of the run any more."""
     bench = channel_bench(words.axis("Z", a_mm_s2=4000.0))
@@ -98,6 +99,7 @@ def test_class_2_brakes_a_run_on_the_path(channel_bench: Make, words: Any) -> No
     assert bench.final_mm("Z") - z_mm == pytest.approx(50.0**2 / 8000.0, abs=1e-9)
 
 
+@pytest.mark.long
 def test_class_4_stops_all_axes_on_the_path(channel_bench: Make, words: Any) -> None:
     stop = Stop(channel_bench, words, Alarm(900070))
     assert stop.is_on_the_line
@@ -106,6 +108,7 @@ def test_class_4_stops_all_axes_on_the_path(channel_bench: Make, words: Any) -> 
     assert stop.has_ended_with_closed_loops()
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(("faulty", "other"), [("Z", "Y"), ("Y", "Z")])
 def test_class_7_brakes_the_faulty_axis_by_its_own_ramp_and_the_other_on_the_path(
     channel_bench: Make, words: Any, faulty: str, other: str
@@ -119,6 +122,7 @@ def test_class_7_brakes_the_faulty_axis_by_its_own_ramp_and_the_other_on_the_pat
     assert stop.has_ended_with_closed_loops()
 
 
+@pytest.mark.long
 def test_the_own_ramp_is_one_of_constant_deceleration(channel_bench: Make, words: Any) -> None:
     stop = Stop(channel_bench, words, Alarm(900036, axis="Z", **LAG))
     steps = [b - a for a, b in pairwise(stop.set_mm("Z")[stop.step - 1 :])]
@@ -138,6 +142,7 @@ def test_class_7_while_the_axis_accelerates(channel_bench: Make, words: Any) -> 
     assert bench.final_mm("Z") == pytest.approx(2.0 * begun_mm, abs=1e-9)
 
 
+@pytest.mark.long
 def test_class_5_stops_the_faulty_axis_at_once(channel_bench: Make, words: Any) -> None:
     alarm = Alarm(70082, axis="Z", lag_mm="1", window_mm="0.1", ms=10)
     stop = Stop(channel_bench, words, alarm)
@@ -146,6 +151,7 @@ def test_class_5_stops_the_faulty_axis_at_once(channel_bench: Make, words: Any) 
     assert stop.has_ended_with_closed_loops()
 
 
+@pytest.mark.long
 def test_class_5_stops_the_faulty_axis_at_once_under_p_chan_00218_too(
     channel_bench: Make, words: Any
 ) -> None:
@@ -155,6 +161,7 @@ def test_class_5_stops_the_faulty_axis_at_once_under_p_chan_00218_too(
     assert stop.way_mm("Z") == pytest.approx(OWN_Z_MM, abs=1e-9)
 
 
+@pytest.mark.long
 def test_a_drive_that_does_not_follow_stops_by_itself_and_the_others_are_led_to_their_stop(
     channel_bench: Make, words: Any
 ) -> None:
@@ -196,6 +203,7 @@ def test_class_7_on_an_arc(channel_bench: Make, words: Any) -> None:
     assert math.hypot(x_path_mm, y_path_mm) == pytest.approx(20.0, abs=1e-5)
 
 
+@pytest.mark.long
 def test_class_7_of_an_axis_that_moves_beside_the_path(channel_bench: Make, words: Any) -> None:
     """Z by itself at 50 mm/s, Y on the path: Z by its own ramp, Y by the feedhold."""
     bench = channel_bench(words.axis("Y"), words.axis("Z", a_mm_s2=4000.0))
@@ -209,6 +217,7 @@ def test_class_7_of_an_axis_that_moves_beside_the_path(channel_bench: Make, word
     assert bench.final_mm("Z") - z_mm == pytest.approx(50.0**2 / 8000.0, abs=1e-9)
 
 
+@pytest.mark.long
 def test_p_chan_00218_lets_every_axis_brake_by_its_own_ramp(
     channel_bench: Make, words: Any
 ) -> None:
@@ -218,6 +227,7 @@ def test_p_chan_00218_lets_every_axis_brake_by_its_own_ramp(
     assert stop.way_mm("Z") == pytest.approx(OWN_Z_MM, abs=1e-9)
 
 
+@pytest.mark.long
 def test_an_alarm_of_class_7_without_an_axis_stops_on_the_path(
     channel_bench: Make, words: Any
 ) -> None:

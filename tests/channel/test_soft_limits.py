@@ -22,6 +22,7 @@ def block(number: int) -> Block:
     return Block(number, number * 10, f"N{number * 10}")
 
 
+@pytest.mark.long
 def test_an_axis_may_go_to_its_switches(channel_bench: Make, words: Any) -> None:
     bench = channel_bench(words.axis("X", limits=LIMITS))
     bench.run([words.move(1, 6000.0, X=20.0), words.move(2, 6000.0, X=-5.0), words.end()])
@@ -70,6 +71,7 @@ def test_an_arc_must_not_bulge_beyond_one(channel_bench: Make, words: Any) -> No
     assert bench.alarm_ids == [120002]
 
 
+@pytest.mark.long
 def test_an_axis_that_stands_keeps_nobody_from_moving(channel_bench: Make, words: Any) -> None:
     bench = channel_bench(words.axis("X"), words.axis("Y", start_mm=20.05, limits=LIMITS))
     bench.run([words.move(1, 600.0, X=1.0), words.move(2, 600.0, Y=19.0), words.end()])

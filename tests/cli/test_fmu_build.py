@@ -115,6 +115,7 @@ def test_list_shows_every_model_with_its_step_and_title_and_where_fmus_lie(own_c
         assert (float(step) * 1e-6, unit, built) == (pytest.approx(row.step_s), "us", "-")
 
 
+@pytest.mark.long
 def test_command_takes_version_platform_and_compiler(axisrig):
     code, _, err = axisrig("fmu", "build", SOME[0], "--fmi", "1.0")
     assert (code, "no such FMI version" in err) == (2, True)
@@ -169,6 +170,7 @@ def test_release_has_what_the_rules_of_the_cross_check_ask_for(tmp_path, axisrig
     assert sums(tmp_path / "b") == found
 
 
+@pytest.mark.long
 def test_importer_that_reads_the_inputs_of_a_release_gets_its_reference(tmp_path):
     """fmpy as the importer, with the inputs as they change during the run."""
     model = "AxisRig.Sensors.DigitalInput"

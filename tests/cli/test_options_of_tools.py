@@ -87,6 +87,7 @@ def test_a_report_is_written_and_printed_where_asked(
     assert capsys.readouterr().out == "r.html\nr.pdf\n"
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     ("options", "given"),
     [

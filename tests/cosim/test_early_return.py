@@ -91,7 +91,6 @@ def passes_ns(machine: Machine, place_mm: float) -> float:
     return float(times[last] + (z_mm[last] - place_mm) / FEED_MM_S * 1e9)
 
 
-@pytest.mark.long
 @pytest.mark.parametrize("version", [3], ids=["FMI3"], indirect=True)
 def test_both_edges_of_a_narrow_beam_are_known_to_a_nanosecond(place: Make) -> None:
     """The rod is in the beam for 20 us, which is less than a fine step."""
@@ -122,7 +121,6 @@ def test_without_the_offer_a_fine_step_is_the_uncertainty(place: Make) -> None:
     assert 0.0 <= edge_ns - passes_ns(machine, TRIP_MM) <= probe.edge_uncertainty_ns
 
 
-@pytest.mark.long
 @pytest.mark.parametrize("version", [3], ids=["FMI3"], indirect=True)
 @pytest.mark.parametrize(("behaviour", "text"), [(1, "does not advance"), (2, "is no number")])
 def test_gate_whose_time_stops_is_no_run_without_an_edge(

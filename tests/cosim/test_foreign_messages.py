@@ -34,7 +34,6 @@ def call(capsys: pytest.CaptureFixture[str], *words: str | Path) -> tuple[object
     return ended.value.code, printed.out, printed.err
 
 
-@pytest.mark.long
 def test_check_tells_what_the_bench_makes_of_the_fmus(
     place: Place, capsys: pytest.CaptureFixture[str], version: int
 ) -> None:
@@ -90,7 +89,6 @@ def test_uncertain_edge_makes_a_verdict_at_the_limit_inconclusive(
     assert "gives no contact" in rows.loc["latch_error_um:Z"]["note"]
 
 
-@pytest.mark.long
 @pytest.mark.parametrize(("behaviour", "value"), [(1, "nan"), (2, "inf")])
 def test_position_that_is_no_number_is_told_with_its_variable(
     place: Place, capsys: pytest.CaptureFixture[str], behaviour: int, value: str
@@ -101,7 +99,6 @@ def test_position_that_is_no_number_is_told_with_its_variable(
     assert re.search(rf"plant table at t = 200\.\d+ ms: table.s \(position\) is {value}", err)
 
 
-@pytest.mark.long
 def test_crash_in_a_process_apart_is_told_with_call_and_time(
     place: Place, capsys: pytest.CaptureFixture[str], version: int
 ) -> None:
@@ -133,7 +130,6 @@ def test_texts_and_items_of_enumerations_are_start_values_too(
     assert "has no such item; found 'nervus'; did you mean: nervous" in err
 
 
-@pytest.mark.long
 def test_unit_that_nobody_defines_takes_a_bare_number_only(
     place: Place, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -206,7 +202,6 @@ MISTAKES = [
 ]
 
 
-@pytest.mark.long
 @pytest.mark.parametrize("version", [3], ids=["FMI3"], indirect=True)
 @pytest.mark.parametrize(("change", "line", "fragments"), MISTAKES)
 def test_mistake_in_a_map_is_told_with_its_place(

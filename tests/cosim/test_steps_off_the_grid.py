@@ -121,7 +121,6 @@ def test_time_begins_where_the_initialisation_says(odd: Odd, begin_ms: int) -> N
 # On a grid
 
 
-@pytest.mark.long
 def test_a_saved_state_knows_the_last_point_of_the_grid(odd: Odd, version: int) -> None:
     """Steps of 1 ms: at 2.5 ms the FMU is at 2, at 3.4 at 3; back at 2.5 it goes on from 2."""
     slave = odd(
@@ -142,7 +141,6 @@ def test_a_saved_state_knows_the_last_point_of_the_grid(odd: Odd, version: int) 
     assert slave.get("slide.x") == pytest.approx(0.3, abs=ROUNDING_MM)
 
 
-@pytest.mark.long
 def test_a_grid_begins_at_the_initialisation(odd: Odd) -> None:
     """From 0.7 ms on it has points at 1.7 and 2.7 ms."""
     slave = odd(
@@ -158,7 +156,6 @@ def test_a_grid_begins_at_the_initialisation(odd: Odd) -> None:
 # Many parts
 
 
-@pytest.mark.long
 def test_one_step_may_be_answered_in_a_thousand_parts(odd: Odd) -> None:
     slave = odd("creeps", mightReturnEarlyFromDoStep=True)
     slave.step_to(1 * MS)

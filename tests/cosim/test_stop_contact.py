@@ -56,7 +56,6 @@ def contact_n(row: list[float], stiffness: float, damping: float = 20.0) -> floa
     return max(0.0, stiffness * (row[0] - STOP_M) * (1 + damping * row[1]))
 
 
-@pytest.mark.long
 @pytest.mark.parametrize("stiffness", [20e6, 500e6])
 def test_force_belongs_to_the_instant_and_its_peak_to_the_interval(make, stiffness) -> None:
     axis = make(stop_stiffness=stiffness)

@@ -134,6 +134,7 @@ def test_low_pass_is_that_of_scipy(order: int, f0: float) -> None:
     assert _run(settings, values) == pytest.approx(expected, abs=1e-11)
 
 
+@pytest.mark.long
 def test_roll_off_is_20_db_per_decade_and_order() -> None:
     for order in range(1, 7):
         settings = FilterSettings("LOWPASS", low_pass_filter_order=order, low_pass_filter_fg_f0=1.0)

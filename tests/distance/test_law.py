@@ -94,6 +94,7 @@ def test_a_step_of_the_surface_with_one_dead_cycle(
     assert swing == pytest.approx(swing_um, rel=0.05) if swing_um > 1 else swing <= 1.05 * swing_um
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("height_mm", [0.3, -0.3, 2.8, -2.8, 1e-4])
 @pytest.mark.parametrize("weights", [(0, 0), (400, 250)])
 def test_the_surface_law_never_goes_too_far(
@@ -164,6 +165,7 @@ def test_the_integral_stands_while_the_slope_acts(make_loop: Make) -> None:
     assert loop.control.delta_mm == pytest.approx(0.2 * loop.errors_mm[-1] * 1.01)
 
 
+@pytest.mark.long
 def test_a_slope_follows_a_ramp_by_the_way_in_which_it_could_stop(make_loop: Make) -> None:
     """v^2/2a and more than v T/kp: 10 mm/s and 100 mm/s2 stop within 0.505 mm in cycles of 1 ms."""
     loop = make_loop(lambda k: 0.01 * k, law=USUAL, kp=0.3, v_max_mm_s=20.0, a_max_mm_s2=100.0)

@@ -71,6 +71,7 @@ def test_constant_distance_is_stable_up_to_the_known_gain(
         assert (errors[-50:].max() > errors[:50].max()) == grows
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(("dead_cycles", "count"), [(0, 4), (1, 4), (3, 4), (3, 20)])
 def test_a_mean_in_the_loop_lowers_that_gain(make_loop: Make, dead_cycles: int, count: int) -> None:
     w = math.pi / (count + 2 * dead_cycles)

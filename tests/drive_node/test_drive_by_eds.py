@@ -202,6 +202,7 @@ def test_what_follows_the_node_number_follows_that_of_the_drive(
     assert values[0x6F00, 0] == 5
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("place", [1, 2])
 def test_a_default_mapping_with_an_object_that_nothing_carries_is_empty(
     tmp_path: Path, place: int

@@ -351,6 +351,7 @@ def test_following_error_fault_comes_6066_after_the_first_tick_beyond_6065(
     assert drive.bench.frames(0x083)[0][:3] == bytes.fromhex("118621")
 
 
+@pytest.mark.long
 def test_ticks_change_no_byte_on_the_bus(running: Callable[..., Running]) -> None:
     """6065 = FFFFFFFF needs no ticks; one less is monitored and never exceeded."""
     frames = []

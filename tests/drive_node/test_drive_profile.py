@@ -25,6 +25,7 @@ def test_default_is_20_bit_on_10_mm() -> None:
     assert profile.units_per_revolution == 1048576
 
 
+@pytest.mark.long
 @given(st.integers(-20_000_000_000, 20_000_000_000))
 def test_position_is_the_nearest_increment(position_pm: int) -> None:
     """Positions in picometres up to 20 mm, compared with exact arithmetic."""

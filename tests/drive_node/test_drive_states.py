@@ -96,6 +96,7 @@ def machine_in(
     return machine, image
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("before", [0x00, 0x80])
 @pytest.mark.parametrize("state", STANDARD)
 def test_every_controlword_in_every_state(state: str, before: int) -> None:

@@ -33,6 +33,7 @@ def mapped(
     return 0
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(("mapping", "code"), [("0", NOT_MAPPABLE), ("1", 0)])
 @pytest.mark.parametrize(
     ("entry", "communication"),

@@ -49,6 +49,7 @@ def test_pv_acceleration_takes_v_by_a(drive: Callable[..., Drive]) -> None:
     assert one.bench.node.image.statusword & REACHED
 
 
+@pytest.mark.long
 def test_pv_stops_exactly_at_a_software_limit(drive: Callable[..., Drive]) -> None:
     one = drive(3, **PROFILE, o607D_1=-0.01 * PER_M, o607D_2=0.02 * PER_M, o60FF=0.1 * PER_M)
     one.run_ms(400)

@@ -2,6 +2,7 @@
 
 from fractions import Fraction
 
+import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -10,6 +11,7 @@ from axisrig.bench.drive.cia402.functions.units import scaled
 WIDE = 2**40
 
 
+@pytest.mark.long
 @given(st.integers(-WIDE, WIDE), st.integers(1, WIDE), st.integers(1, WIDE))
 def test_a_product_with_a_factor_is_rounded_as_a_fraction_is(
     value: int, numerator: int, denominator: int

@@ -71,6 +71,7 @@ def test_a_default_that_its_type_cannot_hold_is_0(kind: int, low: int, high: int
         assert table.defaults(NODE)[0x2000, 0] == begins
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(("mapping", "count"), [(0x1600, 1), (0x1A00, 0)])
 def test_a_dummy_fills_a_place_of_an_rpdo_alone(tmp_path: Path, mapping: int, count: int) -> None:
     path, text = tmp_path / "foreign.eds", foreign()
@@ -81,6 +82,7 @@ def test_a_dummy_fills_a_place_of_an_rpdo_alone(tmp_path: Path, mapping: int, co
     assert values[mapping, 0] == count
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(("value", "begins"), [(6, 6), (5, 2)])
 def test_a_value_that_the_drive_would_refuse_is_not_its_value_at_power_on(
     drive_bench: Any, tmp_path: Path, value: int, begins: int

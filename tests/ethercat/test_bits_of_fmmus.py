@@ -63,6 +63,7 @@ def _pairs(fmmu: Fmmu, begin: int, size: int) -> list[tuple[int, int]]:
     return [(first + k, there + k) for k in range(count) if 0 <= first + k < 8 * size]
 
 
+@pytest.mark.long
 @settings(max_examples=60)
 @given(
     st.lists(fmmus(), max_size=3),

@@ -38,6 +38,7 @@ def ran(*changes: str) -> tuple[Facts, dict[str, TimeNs | None], list[TimeNs]]:
     return seen[0], dict(zip(NAMES, begins, strict=True)), latches
 
 
+@pytest.mark.long
 def test_a_moment_is_where_its_change_is() -> None:
     """What the channel does is done in its cycle, what the drive does with its SYNC."""
     _, begins, _ = ran()

@@ -372,6 +372,7 @@ def test_a_row_counts_what_a_log_has_of_a_machine() -> None:
     assert rows["homing"]["run"] == "0"
 
 
+@pytest.mark.long
 def test_a_machine_that_a_log_does_not_have_keeps_its_row() -> None:
     before = [(make_scenario(1, number, "homing"), GOOD) for number in range(3)]
     kept = {row["machine"]: row for row in rows_of(1, before, {})}

@@ -13,12 +13,14 @@ def run(*faults: str) -> Judgement:
     return run_scenario(Scenario(0, 1, (*INPUTS, *faults)))
 
 
+@pytest.mark.long
 def test_without_a_fault_both_values_are_right() -> None:
     """Printed and published, for two measurement runs."""
     judgement = run()
     assert (judgement.result, judgement.right, judgement.alarms) == (Result.GOOD, 4, [])
 
 
+@pytest.mark.long
 def test_the_oracle_does_not_believe_the_bench(monkeypatch: pytest.MonkeyPatch) -> None:
     """A published value that is two increments off is called wrong."""
     from axisrig.kernel.drives.canopen.link import AxisLink  # noqa: PLC0415
@@ -33,6 +35,7 @@ def test_the_oracle_does_not_believe_the_bench(monkeypatch: pytest.MonkeyPatch) 
     assert run().broken == ("value",)
 
 
+@pytest.mark.long
 def test_the_oracle_looks_up_the_position_itself(monkeypatch: pytest.MonkeyPatch) -> None:
     """A drive that latches between two steps wrongly, by two increments, is seen."""
     from axisrig.kernel.cosim.plant import axis  # noqa: PLC0415

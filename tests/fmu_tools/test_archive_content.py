@@ -107,6 +107,7 @@ def test_a_description_nested_without_end(pack: Pack, refused: Refused) -> None:
     assert "is nested too deep" in refused(pack(description=text))
 
 
+@pytest.mark.long
 def test_a_huge_description(pack: Pack, refused: Refused, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(archive, "XML_BYTES_MAX", 1 << 20)
     text = b"<a>" + os.urandom(1 << 20).hex().encode() + b"</a>"

@@ -234,6 +234,7 @@ def test_a_description_that_cannot_be_used(
     assert text in _failed(rows)[area]
 
 
+@pytest.mark.long
 def test_model_exchange_only(checked: Check, ideal_axis: Build) -> None:
     def change(text: str) -> str:
         text = text.replace("<CoSimulation", "<ModelExchange")
@@ -273,6 +274,7 @@ def test_a_description_that_a_validator_dislikes_runs_and_strict_refuses_it(
         assert _failed(rows) == {}
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     ("place", "level"),
     [("aarch64-windows", "FAIL"), ("linux64", "FAIL")],
@@ -297,6 +299,7 @@ def test_a_library_in_the_folder_of_another_platform(checked: Check, ideal_axis:
     assert "x86_64-windows says x86_64 on windows, its library is" in _warned(rows)["platforms"]
 
 
+@pytest.mark.long
 def test_bytes_where_a_library_should_be(checked: Check, ideal_axis: Build) -> None:
     fmu = ideal_axis()
     with zipfile.ZipFile(fmu) as archive:
@@ -311,6 +314,7 @@ def test_bytes_where_a_library_should_be(checked: Check, ideal_axis: Build) -> N
 # ---- Files that are no FMU
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("content", [b"", b"garbage", b"PK\5\6" + bytes(18)])
 def test_a_file_that_is_no_fmu_fails(checked: Check, tmp_path: Path, content: bytes) -> None:
     path = tmp_path / "none.fmu"
@@ -320,6 +324,7 @@ def test_a_file_that_is_no_fmu_fails(checked: Check, tmp_path: Path, content: by
     assert "this is no FMU" in _failed(rows)["archive"]
 
 
+@pytest.mark.long
 def test_an_attacking_archive_fails(checked: Check, ideal_axis: Build) -> None:
     fmu = ideal_axis()
     with zipfile.ZipFile(fmu, "a") as archive:

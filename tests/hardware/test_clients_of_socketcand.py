@@ -82,6 +82,7 @@ def test_a_client_settles_only_while_nobody_does_anything(server: SocketcandServ
     assert new.until(b">") == b"< frame 004 0.000000  >"
 
 
+@pytest.mark.long
 def test_raw_mode_again_settles_again(server: SocketcandServer) -> None:
     client = Client(server)
     assert client.ask("< rawmode >") == b"< ok >"
@@ -122,6 +123,7 @@ def test_the_largest_frames_pass(
     assert received.dlc == len(data) // 2
 
 
+@pytest.mark.long
 def test_words_of_a_refusal_and_nothing_reaches_the_bus(server: SocketcandServer) -> None:
     client, other = Client(server), Client(server)
     for text in ("800 0", "20000000 0", "-1 0", "1 9 1 2 3 4 5 6 7 8 9", "1 2 1", "1 1 100", "1"):
@@ -148,6 +150,7 @@ def test_what_the_protocol_does_not_carry_is_refused(
     assert client.ask("< echo >") == b"< echo >"
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(("more", "is_out"), [(0, False), (1, True)])
 def test_a_command_that_does_not_end_has_its_limit(
     server: SocketcandServer, more: int, is_out: bool
@@ -225,6 +228,7 @@ def test_a_channel_that_is_no_address_is_refused_with_an_example(channel: str) -
     assert "127.0.0.1:29536" in str(error.value)
 
 
+@pytest.mark.long
 def test_filters_are_those_of_the_server_not_of_its_clients(server: SocketcandServer) -> None:
     one, two = Client(server), Client(server)
     server.set_filters([{"can_id": 0x100, "can_mask": 0x7FF, "extended": False}])
@@ -288,6 +292,7 @@ def test_a_connection_says_whether_its_client_is_there() -> None:
     assert not one.flush()
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("value", ["0", "7", "0f", "a", "ff", "0FF"])
 def test_bytes_are_hexadecimal_however_they_are_written(
     server: SocketcandServer, value: str

@@ -32,6 +32,7 @@ def outside(**words: Any) -> Outside:
     return Outside(lambda: nullcontext(REAL), True, lambda _: None, **words)
 
 
+@pytest.mark.long
 def test_a_master_starts_the_drive_and_every_sync_is_in_the_trace(tmp_path: Path) -> None:
     """NMT and three SYNCs that were sent before the drives begin to run; node 3 answers."""
     on_bus = outside(interface="virtual", channel="drive-server")

@@ -106,6 +106,7 @@ def test_what_is_no_frame_is_refused_and_the_client_stays(client: Client, text: 
     assert client.ask("< echo >") == "< echo >"
 
 
+@pytest.mark.long
 def test_a_client_that_talks_nonsense_without_end_is_put_out(
     server: SocketcandServer, client: Client
 ) -> None:

@@ -32,6 +32,7 @@ def in_blocks(observed: Observed, sizes: Sequence[int], path: Path) -> Observed:
     return Observed(observed.facts, writer.close())
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("sizes", [(ON, 1, 199, 401), (ON + 15, 300, 385, 1)])
 def test_a_metric_is_that_of_the_whole_run(sizes: tuple[int, ...], tmp_path: Path) -> None:
     """Blocks end before the control, while it speeds up, on the ramp and at its end."""

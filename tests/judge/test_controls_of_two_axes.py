@@ -52,6 +52,7 @@ def both(first: str) -> tuple[Observed, dict[str, Observed]]:
     return Observed(of_both, kept(pa.table(table))), alone
 
 
+@pytest.mark.long
 def test_each_axis_has_the_metrics_of_its_own_control() -> None:
     """Those of it alone; without a name those of the axis that the rig names first."""
     observed, alone = both("X")

@@ -285,6 +285,7 @@ def test_external_hardware_keeps_what_it_has_seen_for_a_slow_cnc() -> None:
         assert found(observed)[0].value == value
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(("busy_us", "sync_ms"), [(0, 10), (200, 10), (400, 11), (2500, 15)])
 def test_the_time_that_the_plc_needs_counts(busy_us: int, sync_ms: int) -> None:
     """Read at 10.3 ms, written so much later, seen at 10.6, 11.6 ...; above 2 ms read at 12.3."""
@@ -317,6 +318,7 @@ def test_it_counts_with_a_probe_at_the_drive_too(busy_us: int, sync_ms: int) -> 
     assert (instants.sampled_ns, instants.value_ns) == (10 * MS + SYNC_NS, sync_ms * MS + SYNC_NS)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("after_us", [0, 64])
 @pytest.mark.parametrize("source", ["PLC", "PLC_FIRST_EVENT", "PLC_EXT_LATCH_CONTROL"])
 def test_a_position_is_of_the_sync_of_its_own_segment(source: str, after_us: int) -> None:

@@ -207,6 +207,7 @@ def test_an_offset_may_be_as_fast_as_the_slowest_of_the_axes_that_it_moves() -> 
     assert limited("ACS", one).axes_allow(ON, ON + 5) is None
 
 
+@pytest.mark.long
 def test_the_pose_of_the_cycle_before_says_how_the_axes_go() -> None:
     """While the tool tilts from row 51 on; the first row of a run has its own pose."""
     guides = [GuideChange(0, "ECS")]

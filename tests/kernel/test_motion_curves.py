@@ -117,6 +117,7 @@ def _range(angle: float) -> list[float]:
     return [angle * k / 2000 for k in range(2001)]
 
 
+@pytest.mark.long
 @given(radii, begins, angles, signs, st.floats(-50, 50))
 def test_box_holds_the_path(
     radius: float, begin: float, angle: float, sign: float, height: float
@@ -359,6 +360,7 @@ def course(interpolator: Interpolator) -> list[tuple[float, ...]]:
     return points
 
 
+@pytest.mark.long
 def test_set_positions_lie_on_the_circle_at_constant_speed_and_end_at_the_target() -> None:
     """r = 50 mm at 2 m/min: 9.4 s of circle, chords of 33.3 um in the cruise."""
     arc = in_plane(50.0, 1.0, math.tau, -1.0)

@@ -61,6 +61,7 @@ def test_trapezoid_time_and_states_by_hand() -> None:
     assert profile.at(9.0) == (10.0, 0.0)
 
 
+@pytest.mark.long
 @given(st.floats(1e-6, 1e4), speeds(), st.floats(1.0, 2e4), st.floats(1.0, 2e4))
 def test_single_step_formula(d: float, v: float, acc: float, dec: float) -> None:
     """v_p = min(v, sqrt(2Dad/(a+d))), T = v_p/a + v_p/d + (D - v_p²/2a - v_p²/2d)/v_p."""
@@ -147,6 +148,7 @@ def test_acceleration_stays_within_the_step_that_holds_at_the_speed(
         assert abs(v1 - v0) <= max(limits) * (t1 - t0) * (1 + 1e-6) + 1e-9
 
 
+@pytest.mark.long
 @given(st.floats(1e-2, 1e3), speeds(), slopes(), slopes())
 @example(11.0, 0.01, Slope(1.0, 1.0, 1.0), Slope(696.0, 1.0, 1.0))  # 1100 s, then a ramp of 14 us
 def test_path_is_the_integral_of_the_speed(d: float, v: float, up: Slope, down: Slope) -> None:
@@ -173,6 +175,7 @@ def test_brute_force_integration_of_the_acceleration_rule() -> None:
 # --- braking, start speed, edges -------------------------------------------------------------
 
 
+@pytest.mark.long
 @given(speeds(), slopes(), st.floats(0.0, 1.0))
 def test_braking_from_any_state_takes_the_braking_distance(
     v: float, down: Slope, share: float
@@ -221,6 +224,7 @@ def test_start_speed_that_can_just_stop() -> None:
     assert profile.at(0.05) == pytest.approx((3.75, 50.0), rel=1e-6)
 
 
+@pytest.mark.long
 @given(speeds(), slopes(), slopes(), st.floats(1.0, 2.0))
 @example(428.0, ONE_STEP, Slope(1173.0, 1576.0, 245.0), 1.5)  # start rounded below 0
 def test_start_speed_on_exactly_its_stopping_distance(

@@ -168,6 +168,7 @@ def test_a_run_comes_to_its_feed_with_unequal_ramps(
         assert braking.stopped(state).end_mm - state.path_mm <= stroke_mm * (1.0 + 1e-6)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     ("up", "stop", "stroke_mm", "feed_mm_s", "reached_s"),
     [

@@ -150,6 +150,7 @@ ROBOT = MachineLists(
 ).kernel()
 
 
+@pytest.mark.long
 def test_joints_turn_on_where_a_turn_of_the_tool_is_longer_than_half_a_one() -> None:
     """About the vertical through its wrist: the way anywhere is that of the places before it."""
     near = (0.0, 0.0, 30.0, 0.0, 60.0, 0.0)

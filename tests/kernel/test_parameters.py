@@ -206,6 +206,7 @@ def test_index_written_in_two_ways_is_one_parameter(tmp_path: Path) -> None:
 # --- what is refused -------------------------------------------------------------------------
 
 
+@pytest.mark.long
 def test_unknown_name_is_told_with_place_and_nearest_names(tmp_path: Path) -> None:
     error = refused(tmp_path, "kopf.achs_nr 1\n  kenngr.mesachse 1\n")
     assert (error.line, error.column) == (2, 3)

@@ -64,6 +64,7 @@ def test_a_corrected_limit_of_a_drive_function_is_a_warning_of_the_channel(
         assert not any(alarm.ends_program for alarm in alarms)
 
 
+@pytest.mark.long
 def test_each_axis_has_its_own_warnings(tmp_path: Path) -> None:
     """Both axes, in their order, and one alone."""
     low = [f"set:{axis}.antr.function[1].min_limit=-1" for axis in "XY"]

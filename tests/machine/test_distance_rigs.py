@@ -24,6 +24,7 @@ def told_and_true(out: Any) -> tuple[np.ndarray, np.ndarray]:
     return -out.column("Z.sensor_mm"), out.column("gap.distance_true_mm")
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     ("rig", "delay", "ages"),
     [
@@ -66,6 +67,7 @@ def test_a_kinematic_axis_is_where_the_set_position_was_two_cycles_ago(
     assert np.max(np.abs(received[begin + 2 :] - sent[begin:-2])) <= 0.51 * COUNT_MM
 
 
+@pytest.mark.long
 def test_the_trace_keeps_the_distance_control(run_nc: Run) -> None:
     out = run_nc(
         "N10 G90 G01 Z31.5 F600\nN20 Z[DIST_CTRL ON SET_POS=30]\nN30 G04 0.3\nN40 Z[DIST_CTRL OFF]",
@@ -93,6 +95,7 @@ def test_the_trace_keeps_the_distance_control(run_nc: Run) -> None:
     assert answer["offset"][states == 1][-1] == pytest.approx(0.2, rel=0, abs=COUNT_MM)
 
 
+@pytest.mark.long
 def test_a_workpiece_moves_and_a_signal_is_lost_in_time(run_nc: Run) -> None:
     """Two ramps, a sine, a loss: the true gap in closed form at every SYNC."""
     out = run_nc(

@@ -39,6 +39,7 @@ def _list(tmp_path: Path, commu: str) -> Path:
     return path
 
 
+@pytest.mark.long
 def test_three_drives_on_two_segments_start_at_the_same_time(run_nc: Callable[..., Any]) -> None:
     """One drive takes as long as all three do, but for what they wait for on a shared bus."""
     one = run_nc('N10 #MSG SYN["here"]', "", base="probe-z.toml")
@@ -49,6 +50,7 @@ def test_three_drives_on_two_segments_start_at_the_same_time(run_nc: Callable[..
     assert start_three < 2 * start_one
 
 
+@pytest.mark.long
 def test_a_segment_without_a_drive_gets_no_sync(run_nc: Callable[..., Any]) -> None:
     """Nobody would acknowledge it."""
     spare = "[segment.spare]\nbitrate = 500_000"
@@ -124,6 +126,7 @@ def test_a_cyclic_function_acts_like_one_over_sdo(
     assert abs(reached["ACYCLIC"] - reached["CYCLIC"]) < 0.05
 
 
+@pytest.mark.long
 def test_the_first_rpdo_leaves_a_cyclic_object_as_it_was(
     run_nc: Callable[..., Any], tmp_path: Path
 ) -> None:

@@ -37,6 +37,7 @@ def levels(edges: tuple[Edge, ...], times: list[int]) -> list[int]:
     ]
 
 
+@pytest.mark.long
 def test_a_late_wire_of_two_runs_is_beside_the_truth(tmp_path: Path) -> None:
     """2.3 ms are more than a cycle: some rows have the level of the probe, not that of its wire."""
     by_ns = 2_300 * US
@@ -70,6 +71,7 @@ def test_a_stuck_wire_has_passed_nothing_and_of_two_late_ones_the_last_counts() 
     assert probe.passed == late(probe.edges, MS + 300 * US)
 
 
+@pytest.mark.long
 def test_without_a_fault_of_its_wire_nothing_is_beside_the_signal() -> None:
     observed = ran("fault:crossed=Z")
     assert observed.facts.probes["probe"].passed is None

@@ -70,6 +70,7 @@ def in_state(machine: Machine, action: Callable[[], None], after_ns: int = 20 * 
     machine.channel.observers.append(look)
 
 
+@pytest.mark.long
 def test_it_measures_within_an_increment_of_the_closed_form(make: Make) -> None:
     """Z of the edge: the surface, and what the axis moves on within the delay of the input."""
     machine, line = make()

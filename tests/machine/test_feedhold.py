@@ -59,6 +59,7 @@ def test_the_path_stands_where_the_ramp_ends_and_takes_that_much_longer(run_nc: 
     assert held.alarms == []
 
 
+@pytest.mark.long
 def test_blocks_without_motion_go_on_and_the_next_path_waits(run_nc: RunNc) -> None:
     out = run_nc(
         "N10 G4 0.05\nN20 M50\nN30 M7\nN40 G1 Z129 F600\nN50 M8",
@@ -127,6 +128,7 @@ def at_ns_last(out: Any, words: str) -> int:
     return max(note.time_ns for note in out.facts.plc if note.words == words)
 
 
+@pytest.mark.long
 def test_an_alarm_in_a_feedhold_stops_for_good(run_nc: RunNc) -> None:
     """The drive is silent 50 ms after the path stands: class 7 does not wait for 10 s."""
     out = run_nc(

@@ -84,6 +84,7 @@ def test_a_run_on_fmus_that_were_reset_is_equal_to_one_on_new_ones(
     assert {key: kept.slave for key, kept in kept_fmus._kept.items()} == held
 
 
+@pytest.mark.long
 def test_other_start_values_of_the_run_before_are_forgotten(tmp_path: Path) -> None:
     fresh = left(case_of("latch_accuracy.csv", "latch-pdo-lost"), tmp_path)
     other = case_of("latch_accuracy.csv", "latch-pdo-lost", "plant:z.kv=25")
@@ -91,6 +92,7 @@ def test_other_start_values_of_the_run_before_are_forgotten(tmp_path: Path) -> N
     assert left(case_of("latch_accuracy.csv", "latch-pdo-lost"), tmp_path) == fresh
 
 
+@pytest.mark.long
 def test_a_run_that_was_broken_off_leaves_nothing(tmp_path: Path) -> None:
     case = case_of("latch_accuracy.csv", "latch-pdo-lost")
     fresh = left(case, tmp_path)

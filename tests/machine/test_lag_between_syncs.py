@@ -45,6 +45,7 @@ def test_a_tick_longer_than_the_period_sees_the_rows_only() -> None:
     assert largest_lag(times[:1], (zero := np.zeros(1), zero, zero), 250_000) == pytest.approx([0])
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("period_us", [2000, 4000])
 @pytest.mark.parametrize("window_mm", [0.71, 0.73])
 def test_a_drive_that_ends_its_demand_at_a_tick_has_the_lag_of_that_tick(

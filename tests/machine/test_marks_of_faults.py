@@ -1,5 +1,7 @@
 """The marks of a run name the faults brought in, the frames hit, and what the drive did then."""
 
+import pytest
+
 from axisrig.bench.judge.observed.observed import Observed
 from axisrig.bench.judge.program.findings import program_events
 from axisrig.bench.machine.facts import facts_of
@@ -21,6 +23,7 @@ def marks(*faults: str) -> dict[str, int]:
     return {mark.label: mark.time_ns for mark in found}
 
 
+@pytest.mark.long
 def test_a_fault_of_frames_tells_its_begin_and_how_many_it_hit() -> None:
     found = marks("fault:drop=Z.TPDO2 at=latched count=3")
     begin_ns = found["drop Z.TPDO2 begins"]
@@ -28,11 +31,13 @@ def test_a_fault_of_frames_tells_its_begin_and_how_many_it_hit() -> None:
     assert 2 * MS <= last_ns - begin_ns <= 3 * MS
 
 
+@pytest.mark.long
 def test_a_fault_for_a_time_tells_its_end() -> None:
     found = marks("fault:power_loss=Z at=motion+5ms for=1ms")
     assert found["power_loss Z ends"] - found["power_loss Z begins"] == MS
 
 
+@pytest.mark.long
 def test_the_drive_that_goes_into_fault_is_marked() -> None:
     """Set positions stay out: fault reaction, standstill, fault; not its way into operation."""
     found = marks("fault:drop=Z.RPDO1 at=motion+5ms")
@@ -40,6 +45,7 @@ def test_the_drive_that_goes_into_fault_is_marked() -> None:
     assert "Z: ready to switch on" not in found
 
 
+@pytest.mark.long
 def test_a_fault_whose_moment_does_not_come_says_so() -> None:
     _, machine = examine(Scenario(0, 1, (*INPUTS, "fault:drop=Z.TPDO1 at=100s")))
     assert machine is not None

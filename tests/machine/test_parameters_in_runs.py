@@ -21,6 +21,7 @@ def z_list(tmp_path: Path, *lines: str) -> str:
     return '[axis.Z]\nlist = "z.lst"\n'
 
 
+@pytest.mark.long
 @pytest.mark.provokes(315002, 1, owner="axis Z", value=200, high=99, corrected=99)
 @pytest.mark.provokes(110757, 1, axis="Z", value_permille=1200, limit_permille=1000)
 def test_warnings_of_lists_stand_at_the_begin_of_a_run_that_goes_on(

@@ -30,6 +30,7 @@ def at_ns(out: Any, words: str) -> list[int]:
     return [note.time_ns for note in out.facts.plc if note.words == words]
 
 
+@pytest.mark.long
 def test_a_function_brings_a_value_to_the_drive_and_waits_until_it_is_there(run_nc: RunNc) -> None:
     out = run_nc(
         f"{READ}N10 M50\n{READ}N20 G1 Z129 F600\nN30 M51\n{READ}",
@@ -50,6 +51,7 @@ def test_a_function_brings_a_value_to_the_drive_and_waits_until_it_is_there(run_
     assert "Z.torque_limit = 300: the drive has taken it" in labels
 
 
+@pytest.mark.long
 def test_a_motion_behind_the_function_begins_when_the_drive_has_its_value(run_nc: RunNc) -> None:
     """The answer comes 20 ms late; without it the path would move in the cycle of M50."""
     out = run_nc(
@@ -82,6 +84,7 @@ def test_a_run_goes_on_until_the_drive_has_taken_a_value_of_its_end(run_nc: RunN
     assert out.facts.end_ns >= taken
 
 
+@pytest.mark.long
 def test_times_and_the_second_of_a_moment(run_nc: RunNc) -> None:
     out = run_nc(
         "N10 M50\nN20 M50\nN30 M50\nN40 G4 0.1",

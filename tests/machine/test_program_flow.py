@@ -54,6 +54,7 @@ def test_a_word_that_does_not_act_ends_the_program_when_the_machine_gets_there(
     assert "ID 900100" in said[-1]
 
 
+@pytest.mark.long
 def test_the_block_trace_follows_loop_subprogram_and_branch(
     run_own: Callable[..., Outcome], tmp_path: Path
 ) -> None:

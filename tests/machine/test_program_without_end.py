@@ -66,6 +66,7 @@ def test_a_loop_that_waits_for_what_nothing_changes_ends_at_once(tmp_path: Path)
     assert "wait.nc line 2" in said[-1].text
 
 
+@pytest.mark.long
 def test_alarms_of_the_channel_name_the_file(tmp_path: Path) -> None:
     """A probe that is low already (50052) and M0 without an operator (900170)."""
     program = tmp_path / "file.nc"

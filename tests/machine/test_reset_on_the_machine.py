@@ -3,12 +3,15 @@
 from collections.abc import Callable
 from typing import Any
 
+import pytest
+
 from axisrig.kernel.time.clock import MS
 
 RunNc = Callable[..., Any]
 BASE = "probe-z.toml"
 
 
+@pytest.mark.long
 def test_no_function_waits_for_its_reset(run_nc: RunNc) -> None:
     """M50 is acknowledged at once: Z moves on for 300 ms, 10 mm/s, and stands v t further."""
     out = run_nc("N10 M50\nN20 G1 Z100 F600", "", "plc:reset=at=M50+300ms", base=BASE)
@@ -18,6 +21,7 @@ def test_no_function_waits_for_its_reset(run_nc: RunNc) -> None:
     assert out.alarms == []
 
 
+@pytest.mark.long
 def test_the_run_ends_when_no_action_is_left_and_the_program_has_ended(run_nc: RunNc) -> None:
     late = "plc:V.E.LATE=0; 1 at=400ms"
     out = run_nc("N10 G4 0.05", "", late, base=BASE)

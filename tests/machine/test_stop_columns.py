@@ -18,6 +18,7 @@ def columns(out: Any) -> set[str]:
     }
 
 
+@pytest.mark.long
 def test_an_axis_without_a_stop_shows_its_motor_force_only(run_nc: Any) -> None:
     out = run_nc("N10 G1 Z131 F6000", "", base="probe-z.toml")
     assert columns(out) & {"force_n", *STOP} == {"force_n"}

@@ -251,6 +251,7 @@ def test_an_axis_that_is_enabled_on_a_limit_switch_moves_off_it_only(
     assert (made.truth_mm - start_mm) * free > 5.0
 
 
+@pytest.mark.long
 def test_torque_acts_away_from_the_limit_switch_only(master: Callable[..., Master]) -> None:
     made = master("plant:z.position_start_mm=62")
     made.enable(10)

@@ -26,6 +26,7 @@ def test_rows_go_on_when_no_sync_reaches_the_drive(kind: str) -> None:
     assert (np.diff(trace.column("Z.truth_mm").to_numpy())[is_moving] != 0).all()
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     "kind", ["drop=Z.TPDO1", "sync_loss=Z", "drop=Z.RPDO1", "reset=Z command=stop"]
 )
@@ -43,6 +44,7 @@ def test_the_run_goes_on_after_an_alarm_until_the_axis_stands(kind: str) -> None
     assert alarm_ns <= machine.end_ns < times[-1] <= machine.end_ns + 501_000_000
 
 
+@pytest.mark.long
 def test_a_drive_that_is_gone_does_not_hold_the_end_up() -> None:
     _, machine = examine(Scenario(0, 1, (*INPUTS, "fault:power_loss=Z at=motion+30ms")))
     assert machine is not None

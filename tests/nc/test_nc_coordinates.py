@@ -24,6 +24,7 @@ def go(coordinates, **programmed):
     return tuple(coordinates.acs_mm[axis] for axis in XYZ)
 
 
+@pytest.mark.long
 @given(COMPONENTS)
 def test_frame_turns_z_then_new_y_then_newest_x(components):
     a1, a2, a3 = components[3:]
@@ -44,6 +45,7 @@ def test_nested_frames_act_one_after_the_other(lower, upper, point):
     assert both.down(np.array(point)) == pytest.approx(expected, abs=1e-9)
 
 
+@pytest.mark.long
 @given(COMPONENTS, POINTS)
 def test_down_and_up_again_is_the_same_point(components, point):
     frame = Frame.of(components)

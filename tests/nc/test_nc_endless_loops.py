@@ -53,6 +53,7 @@ def test_a_straight_program_is_no_endless_loop(run):
     assert message.text == "100100"
 
 
+@pytest.mark.long
 def test_a_straight_program_of_blocks_and_calls_is_no_endless_loop(run, monkeypatch):
     """900 blocks in three calls, none of which comes from a loop."""
     monkeypatch.setattr(interpreter, "IDLE_BLOCKS_MAX", 250)
@@ -65,6 +66,7 @@ def test_a_straight_program_of_blocks_and_calls_is_no_endless_loop(run, monkeypa
     assert message.text == "900"
 
 
+@pytest.mark.long
 def test_behind_a_motion_in_a_subprogram_no_block_has_come_again(run, monkeypatch):
     """300 blocks in each of three calls of a loop, a motion before them in all but the first."""
     monkeypatch.setattr(interpreter, "IDLE_BLOCKS_MAX", 250)

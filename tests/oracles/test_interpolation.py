@@ -17,6 +17,7 @@ def test_a_cubic_motion_comes_back() -> None:
     assert [cubic(t, 2.0, ends) for t in (0.0, 0.5, 1.0, 2.0)] == [1.0, 3.25, 10.0, 49.0]
 
 
+@pytest.mark.long
 @given(numbers, numbers, numbers, numbers, shares, steps)
 def test_the_plant_has_derived_the_same(
     begin: float, begin_rate: float, end: float, end_rate: float, share: float, step_s: float

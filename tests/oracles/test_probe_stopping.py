@@ -50,6 +50,7 @@ def _integrated_mm(braking: Braking, speed_mm_s: float) -> float:
     return float(state[3]) + (1 - braking.feed_forward) * speed_mm_s / braking.kv_per_s
 
 
+@pytest.mark.long
 @given(
     speed=st.floats(1.0, 500.0),
     deceleration=st.floats(100.0, 5000.0),

@@ -27,6 +27,7 @@ MS = 1_000_000
 CYCLES = Cycles(MS, (0, 0), delay_cycles=2)  # e(k) is demand less encoder of the same SYNC
 
 
+@pytest.mark.long
 @given(st.lists(st.booleans(), min_size=1, max_size=60), st.integers(0, 10))
 def test_lasting_counts_from_the_last_break(flags: list[bool], rows: int) -> None:
     held = lasting(np.array(flags), rows)

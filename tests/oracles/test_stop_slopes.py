@@ -73,6 +73,7 @@ def test_way_of_both_steps_by_hand() -> None:
     assert slope.way_mm(60.0) == 6.0
 
 
+@pytest.mark.long
 @given(st.floats(10.0, 1e5), st.floats(10.0, 1e5), st.floats(1.0, 1000.0), st.floats(0.1, 1000.0))
 def test_way_is_the_sum_of_the_motion(
     low_mm_s2: float, high_mm_s2: float, change_mm_s: float, speed_mm_s: float

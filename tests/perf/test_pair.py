@@ -6,6 +6,7 @@ import pytest
 from tests.perf import pair_perf
 
 
+@pytest.mark.long
 def test_three_ways_to_step_come_to_the_same_values(monkeypatch: pytest.MonkeyPatch) -> None:
     """`measure_pair` refuses values that differ; each way takes one tick of 1 us here."""
     monkeypatch.setattr(pair_perf, "STEPS", 20)
@@ -17,6 +18,7 @@ def test_three_ways_to_step_come_to_the_same_values(monkeypatch: pytest.MonkeyPa
     assert found["beyond_c_us"] == found["fmpy_beyond_c_us"] == 0.0
 
 
+@pytest.mark.long
 def test_the_ratio_is_of_what_is_beyond_c(monkeypatch: pytest.MonkeyPatch) -> None:
     """C takes 1 us, ours 3 and fmpy 6 for 20 steps: 2 beyond C beside 5."""
     monkeypatch.setattr(pair_perf, "STEPS", 20)

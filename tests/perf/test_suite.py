@@ -402,6 +402,7 @@ def test_the_command_prints_a_table_an_object_or_a_page(tmp_path: Path) -> None:
         report(["-k", "moon"])
 
 
+@pytest.mark.long
 def test_a_step_of_the_axis_fmu_is_set_beside_c() -> None:
     found = json.loads(report(["--fmu", "--json", "--repeats", "1"]))
     both = found["c_loop_us"] + found["call_us"]

@@ -11,6 +11,7 @@ from axisrig.bench.plan.plan import read_plan
 ROOT = Path(__file__).parents[2]
 
 
+@pytest.mark.long
 def test_every_measure_is_of_a_known_kind_and_names_a_row_that_is_there() -> None:
     for measure in read_measures():
         assert measure.kind in KINDS

@@ -114,6 +114,7 @@ def test_an_impossible_uncertainty_is_a_defect(uncertainty: float) -> None:
         parse_condition("<= 1").judge(0.5, uncertainty)
 
 
+@pytest.mark.long
 @given(
     value=st.floats(-100, 100),
     low=st.floats(-50, 50),

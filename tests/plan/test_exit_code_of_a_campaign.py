@@ -68,6 +68,7 @@ def test_a_row_of_statistics_that_stays_counts(call: Calls, going_on: GoingOn) -
     assert sorted(again.kept) == [Verdict.PASS] * 3 + [Verdict.INCONCLUSIVE]
 
 
+@pytest.mark.long
 def test_a_run_that_failed_and_stays_counts(call: Calls) -> None:
     call.verdict = Verdict.FAIL
     assert call().exit_code == 1

@@ -81,6 +81,7 @@ def test_log_is_that_of_numpy(first: float, factor: float, count: int) -> None:
     )
 
 
+@pytest.mark.long
 @given(
     first=st.integers(-1000, 1000),
     step=st.integers(1, 200),

@@ -215,6 +215,7 @@ def _entries(right: dict[str, object]) -> list[str]:
     return sorted({*right, *more})
 
 
+@pytest.mark.long
 def test_an_entry_of_another_type_is_named(out: Path) -> None:
     right = manifest(out)
     refused = set()

@@ -53,6 +53,7 @@ def inside(folder: Path) -> dict[str, bytes]:
     }
 
 
+@pytest.mark.long
 def test_every_file_of_a_run_comes_with_it_of_each_segment_too(plan: Plan, tmp_path: Path) -> None:
     """Runs whose ids begin with each other keep their own; a log of each segment is one of both."""
     logs = (".blf", f"{SEGMENT_MARK}can1.pcap", f"{SEGMENT_MARK}can2.pcap")

@@ -90,6 +90,7 @@ def joined(into: Path, *folders: Path, **how: Any) -> Merged:
     return merge(folders, into, started="later", **how)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     ("options", "tested"),
     [
@@ -116,6 +117,7 @@ def test_shares_that_say_what_is_tested_are_joined(
         assert {name: row[name] for name in row if name.startswith("info:")} == tested
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     ("options", "texts"),
     [
@@ -160,6 +162,7 @@ def test_a_share_whose_files_are_others_now_is_refused(
     assert not (tmp_path / "all").exists()
 
 
+@pytest.mark.long
 def test_a_run_that_the_plan_has_no_more_is_left_out(plan: Plan, tmp_path: Path) -> None:
     """It is neither joined nor counted."""
     one = share(tmp_path / "one", plan, ALL)
@@ -169,6 +172,7 @@ def test_a_run_that_the_plan_has_no_more_is_left_out(plan: Plan, tmp_path: Path)
     assert [run.run for run in read_results(tmp_path / "all").runs][-1] == "probing-a"
 
 
+@pytest.mark.long
 def test_statistics_are_over_whole_cases_and_kept_by_what_they_depend_on(
     plan: Plan, tmp_path: Path
 ) -> None:
@@ -184,6 +188,7 @@ def test_statistics_are_over_whole_cases_and_kept_by_what_they_depend_on(
     assert found["probing-z"].case["runs"] == "2"
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     ("select", "runs", "statistics"),
     [
@@ -224,6 +229,7 @@ def test_a_row_that_the_joined_folder_completes_is_judged_with_what_it_has(
     assert joined(tmp_path / "all", one, is_fresh=True).statistics == 0
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("is_fresh", [False, True])
 def test_shares_that_are_joined_once_more_give_the_same_folder(
     plan: Plan, tmp_path: Path, is_fresh: bool
@@ -260,6 +266,7 @@ def test_probes_of_a_search_come_with_it(write_plan: PlanWriter, tmp_path: Path)
     assert len(traces) == 2
 
 
+@pytest.mark.long
 def test_probes_of_a_joined_search_are_those_of_its_last_call(
     write_plan: PlanWriter, tmp_path: Path
 ) -> None:
@@ -281,6 +288,7 @@ def test_probes_of_a_joined_search_are_those_of_its_last_call(
     assert traces == {f"probing-{run}" for run in ids if len(run) > 1}
 
 
+@pytest.mark.long
 def test_the_joined_folder_may_be_made_anew_but_is_none_of_its_parts(
     plan: Plan, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -298,6 +306,7 @@ def test_the_joined_folder_may_be_made_anew_but_is_none_of_its_parts(
         assert found == [f"probing-{name}" for name in names]
 
 
+@pytest.mark.long
 def test_the_manifest_names_the_parts_and_a_command_that_goes_on(
     plan: Plan, tmp_path: Path
 ) -> None:

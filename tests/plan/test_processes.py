@@ -29,6 +29,7 @@ def _begin(folder: Path, number: int) -> int:
     return number
 
 
+@pytest.mark.long
 def test_the_next_row_begins_while_the_results_of_the_last_are_worked_on(tmp_path: Path) -> None:
     results = run_apart(_begin, [[tmp_path, n] for n in range(3)], jobs=1, is_fresh=False)
     assert next(results) == 0
@@ -46,6 +47,7 @@ def _wait_for(path: Path | None, number: int) -> int:
     return 10 * number
 
 
+@pytest.mark.long
 def test_results_come_as_their_tasks_end(tmp_path: Path) -> None:
     """The first task waits until the results of the two others have been taken."""
     tasks = [[tmp_path / "go", 0], [None, 1], [None, 2]]
@@ -65,6 +67,7 @@ def test_a_process_ends_after_so_many_tasks() -> None:
     assert counts == [3, 3, 1]
 
 
+@pytest.mark.long
 def test_who_follows_hears_of_each_task_when_it_begins_and_when_it_has_ended() -> None:
     """Three tasks in two processes: two begin at once, the third when one has ended."""
     heard: list[tuple[int, bool]] = []
@@ -128,6 +131,7 @@ def test_an_answer_that_is_too_large_is_an_error(monkeypatch: pytest.MonkeyPatch
         list(run_apart(bytes, [[2000]]))
 
 
+@pytest.mark.long
 def test_a_large_order_arrives() -> None:
     assert list(run_apart(len, [[bytes(3_000_000)], [b""]], is_fresh=False)) == [3_000_000, 0]
 
@@ -340,6 +344,7 @@ def _who(content: bytes) -> int:
     return os.getpid()
 
 
+@pytest.mark.long
 def test_who_wrote_what_is_no_answer_gets_no_further_row() -> None:
     """Its process may write again: the rows after it have another one."""
     tasks = [[content] for content in (b"", b"no answer", b"", b"")]

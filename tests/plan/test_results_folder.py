@@ -56,6 +56,7 @@ def test_a_part_replaces_its_rows_and_leaves_the_others(plan: Plan, tmp_path: Pa
     assert (results.missing, results.verdict) == (0, Verdict.PASS)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("order", [[0, 1, 2], [2, 0, 1]])
 def test_a_whole_run_again_gives_the_bytes_of_the_first(
     plan: Plan, tmp_path: Path, order: list[int]
@@ -69,6 +70,7 @@ def test_a_whole_run_again_gives_the_bytes_of_the_first(
     assert "earlier" not in manifest(out)
 
 
+@pytest.mark.long
 def test_a_plan_in_parts_gives_the_bytes_of_the_whole(plan: Plan, tmp_path: Path) -> None:
     whole = contents(write(tmp_path / "whole", plan, [0, 1, 2]))
     for part in ([2], [0], [1]):
@@ -139,6 +141,7 @@ def test_files_of_the_earlier_run_go_with_it(plan: Plan, tmp_path: Path) -> None
     assert not (out / "traces" / "probing-a.parquet").exists()
 
 
+@pytest.mark.long
 def test_an_interrupted_part_leaves_the_whole_finished(plan: Plan, tmp_path: Path) -> None:
     """What is missing is counted over all calls; `finished` is about the last one as well."""
     out = write(tmp_path / "out", plan, [0])
@@ -170,6 +173,7 @@ def test_new_input_columns_are_added(plan: Plan, write_plan: PlanWriter, tmp_pat
     assert contents(out) == contents(write(tmp_path / "first", narrow, [0, 1, 2]))
 
 
+@pytest.mark.long
 def test_runs_that_the_plan_no_longer_has_stay_at_the_end_and_are_marked(
     plan: Plan, write_plan: PlanWriter, tmp_path: Path
 ) -> None:
@@ -290,6 +294,7 @@ def test_two_names_of_one_folder_are_one_lock(plan: Plan, tmp_path: Path) -> Non
         pass
 
 
+@pytest.mark.long
 @posix
 def test_the_lock_of_another_process_ends_with_it(plan: Plan, tmp_path: Path) -> None:
     out = tmp_path / "out"

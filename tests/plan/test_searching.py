@@ -41,6 +41,7 @@ def searched(search: Search, holds: Callable[[Decimal], bool]) -> tuple[Bracket,
             return end.value, tried
 
 
+@pytest.mark.long
 @given(
     st.integers(-(10**6), 10**6),
     st.integers(2, 10**6),

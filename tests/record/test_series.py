@@ -387,6 +387,7 @@ def unset_signal(path: Path) -> Path:
     return path
 
 
+@pytest.mark.long
 def test_every_reader_counts_a_signal_without_a_value_alike(tmp_path: Path) -> None:
     """DuckDB answered 3, nothing or -1.98 for one question in three forms while NaN was stored."""
     path = unset_signal(tmp_path / "t.parquet")

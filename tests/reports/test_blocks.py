@@ -166,6 +166,7 @@ def test_the_page_has_table_and_lane(campaign: Path, tmp_path: Path) -> None:
     assert 'href="../../probe.nc#:~:text=N20%20G100%20Z0%20F1000"' in run.html
 
 
+@pytest.mark.long
 def test_a_damaged_block_trace_names_its_run(campaign: Path, tmp_path: Path) -> None:
 
     shutil.copytree(campaign, tmp_path / "out")

@@ -338,6 +338,7 @@ def test_ticks_are_round_and_a_picture_names_both_directions() -> None:
     assert [one["words"] for one in texts][-2:] == ["X in mm", "Z in mm"]
 
 
+@pytest.mark.long
 def test_a_picture_is_drawn_again_in_another_width_only() -> None:
     act = "(width) => (node.clientWidth = width, resized(), parts['tv-side'].made)"
     widths = [600, 600.4, 700, 0, 700]

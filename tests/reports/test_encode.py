@@ -119,6 +119,7 @@ def test_the_page_holds_every_sample_of_the_trace(campaign: Path) -> None:
     assert offset == len(octets)
 
 
+@pytest.mark.long
 @needs_node
 def test_the_script_of_the_page_decodes_what_python_encodes() -> None:
     """All signals of a run one after the other, and their time in ms."""

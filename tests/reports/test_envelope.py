@@ -25,6 +25,7 @@ def test_a_short_trace_comes_back_as_it_is() -> None:
     assert envelope(table, []) is table
 
 
+@pytest.mark.long
 @settings(max_examples=30, deadline=None)
 @given(st.integers(2 * BINS + KEPT_ROWS + 1, 30_000), st.integers(0, 2**31))
 def test_no_peak_is_lost_and_no_value_is_made_up(rows: int, seed: int) -> None:

@@ -323,6 +323,7 @@ def test_findings_that_lack_a_value_are_refused_with_their_block(results: Path) 
         build_report(results, findings=made(lacking))
 
 
+@pytest.mark.long
 def test_a_trace_without_its_instants_is_refused(results: Path, tmp_path: Path) -> None:
     other = tmp_path / "other"
     shutil.copytree(results, other)

@@ -103,6 +103,7 @@ def test_text_of_others_cannot_end_the_element() -> None:
     assert (plan["name"], plan["metrics"]) == (hostile, [hostile])
 
 
+@pytest.mark.long
 def test_ten_thousand_cells_are_small() -> None:
     checks = {f"metric_{n}_um:Z": "pass" for n in range(9)}
     runs = [run(f"p-touch-{n:04}", "pass", **checks) for n in range(1000)]

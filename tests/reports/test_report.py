@@ -184,6 +184,7 @@ def test_a_run_on_a_real_bus_is_not_called_simulated(campaign: Path, tmp_path: P
     assert "s in 13 runs" in text
 
 
+@pytest.mark.long
 def test_a_recording_that_contradicts_itself_is_refused_with_its_run(
     campaign: Path, tmp_path: Path
 ) -> None:

@@ -180,6 +180,7 @@ def test_sensitivity_is_the_slope_that_went_in(tmp_path: Path) -> None:
     assert text.index("plc:V.E.B 10") < text.index("plc:V.E.A 1") < text.index("plc:V.E.C POS")
 
 
+@pytest.mark.long
 def test_all_metrics_of_a_page_are_in_the_tables_in_the_order_of_the_results(
     tmp_path: Path,
 ) -> None:

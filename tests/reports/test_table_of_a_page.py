@@ -42,6 +42,7 @@ def table(text: str) -> list[tuple[str, str, str]]:
     ]
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     ("plans", "cells"),
     [
@@ -58,6 +59,7 @@ def test_a_row_names_its_plan_where_there_are_several(
     assert f"<title>pass · {', '.join(dict.fromkeys(plans))} · axisrig</title>" in text
 
 
+@pytest.mark.long
 def test_rows_are_in_the_order_of_the_folder_with_all_that_is_searched(tmp_path: Path) -> None:
     rows = [{"verdict": "fail", "plc:V.E.A": "3"}, {"verdict": "pass", "title": "<b>"},
             {"verdict": "error"}]  # fmt: skip
@@ -72,6 +74,7 @@ def test_rows_are_in_the_order_of_the_folder_with_all_that_is_searched(tmp_path:
     assert boxes == ["pass", "fail", "error"]  # of what there is, the best first
 
 
+@pytest.mark.long
 def test_tiles_count_rows_and_probes_are_in_the_table_alone(tmp_path: Path) -> None:
     rows = [{}, {"verdict": "fail"}, {"verdict": "fail", "probe": "p-r0"}, {"verdict": "fail"}]
     text = page(tmp_path, rows)
@@ -82,6 +85,7 @@ def test_tiles_count_rows_and_probes_are_in_the_table_alone(tmp_path: Path) -> N
     assert re.findall(r'<article class="card[^"]*" data-run="([^"]*)"', text) == ["p-r1"]
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("missing", [0, 2])
 def test_an_interrupted_campaign_says_how_many_rows_it_lacks(tmp_path: Path, missing: int) -> None:
     text = page(tmp_path, [{}, {}], runs_planned=2 + missing)
@@ -89,6 +93,7 @@ def test_an_interrupted_campaign_says_how_many_rows_it_lacks(tmp_path: Path, mis
     assert (words in text) is bool(missing)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("is_bad", [False, True])
 def test_contents_name_what_the_page_has(tmp_path: Path, is_bad: bool) -> None:
     """Coverage where there is a requirement; a metric that never changes is no sweep."""
@@ -104,6 +109,7 @@ def test_contents_name_what_the_page_has(tmp_path: Path, is_bad: bool) -> None:
         assert f'id="{place}"' in text
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     ("rows", "facts"),
     [
@@ -123,6 +129,7 @@ def test_simulated_time_is_that_of_all_that_ran(
     assert "<dt>on a real bus</dt>" not in text
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("word", ["pass", "fail"])
 def test_a_map_has_rows_and_no_probes(tmp_path: Path, word: str) -> None:
     """The row that searches has the verdict of its probes."""

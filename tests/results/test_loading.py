@@ -110,6 +110,7 @@ def test_an_older_recording_has_no_block_trace(folder_of_results: Path, tmp_path
         older.blocks("touch-slow")
 
 
+@pytest.mark.long
 def test_frames_are_those_of_python_can(results: Results, folder_of_results: Path) -> None:
     frames = results.frames("touch-slow")
     plain = list(can.LogReader(folder_of_results / "bus" / "touch-slow.blf"))
@@ -169,6 +170,7 @@ def test_mf4_is_what_asammdf_reads_back(
         np.testing.assert_allclose(signal.timestamps, plain["time_ns"] / 1e9, rtol=1e-15)
 
 
+@pytest.mark.long
 def test_csv_has_its_units_in_the_second_row(
     folder_of_results: Path, tmp_path: Path, axisrig: Callable[..., tuple[int, str, str]]
 ) -> None:
@@ -234,6 +236,7 @@ def test_a_query_reads_the_folder_and_nothing_else(
     }
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     ("sql", "rows"),
     [
@@ -249,6 +252,7 @@ def test_a_query_in_any_form_of_a_selection(folder_of_results: Path, sql: str, r
     assert len(query(load(folder_of_results), sql)) == rows
 
 
+@pytest.mark.long
 def test_a_query_of_a_damaged_series_names_it(folder_of_results: Path, tmp_path: Path) -> None:
     pytest.importorskip("duckdb", reason="the extra `query` is not installed")
     folder = shutil.copytree(folder_of_results, tmp_path / "out")
@@ -260,6 +264,7 @@ def test_a_query_of_a_damaged_series_names_it(folder_of_results: Path, tmp_path:
         assert caught.value.file == str(path.absolute())
 
 
+@pytest.mark.long
 def test_a_query_of_a_folder_without_rows(folder_of_results: Path, tmp_path: Path) -> None:
     pytest.importorskip("duckdb", reason="the extra `query` is not installed")
     for name in ("cases.csv", "results.csv", "manifest.json"):
@@ -295,6 +300,7 @@ def test_without_the_extra_the_message_says_how_to_get_it(
         assert "pip install 'axisrig[" in err
 
 
+@pytest.mark.long
 def test_the_notebook_runs(folder_of_results: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     cells = json.loads(NOTEBOOK.read_text(encoding="utf-8"))["cells"]
     code = ["".join(cell["source"]) for cell in cells if cell["cell_type"] == "code"]
@@ -320,6 +326,7 @@ def test_ten_thousand_runs_are_read_at_once(tmp_path: Path) -> None:
     assert results.cases["plc:V.E.N"].sum() == results.checks["value"].sum() == 49_995_000
 
 
+@pytest.mark.long
 def test_the_command_line_starts_without_pandas() -> None:
     code = "import sys, axisrig.bench.cli.main; print([n for n in sys.modules if n == 'pandas'])"
     found = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)

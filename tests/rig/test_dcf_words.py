@@ -43,6 +43,7 @@ def test_values_of_a_dcf_are_written_before_what_the_rig_sets(
     assert [each for each in eds_warnings(settings) if "2 values" in each]
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     ("section", "value", "message"),
     [
@@ -167,6 +168,7 @@ def test_limits_of_a_dcf_that_act_first_are_named(
     assert [words in text for text in found] == [True] * (words is not None)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     ("sub", "units", "named"),
     [

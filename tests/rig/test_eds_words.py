@@ -188,6 +188,7 @@ def test_a_dcf_is_of_the_node_and_the_bit_rate_of_the_rig(
     )
 
 
+@pytest.mark.long
 def test_two_axes_are_compared_each_with_its_own_node(
     with_eds: Callable[..., Settings],
 ) -> None:
@@ -235,6 +236,7 @@ def test_the_profile_of_1000_is_that_of_the_rig(
     assert [f"profile {profile}" in text for text in warnings] == [True] * (profile is not None)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     ("lacks", "is_warned"), [("1006 60C2", True), ("1006", False), ("60C2", False)]
 )
@@ -386,6 +388,7 @@ def test_a_sub_index_beyond_an_array_is_refused(
         assert caught.value.allowed == "sub-index 0, 1, 2, 3"
 
 
+@pytest.mark.long
 def test_members_of_a_short_array_may_be_mapped_as_the_first_is(
     with_eds: Callable[..., Settings],
 ) -> None:

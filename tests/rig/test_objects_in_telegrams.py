@@ -44,6 +44,7 @@ def test_digital_inputs(with_eds: WithEds, state: str) -> None:
     assert ("TPDO3" in axis_telegrams(settings, "Z")) is (state == PRESENT)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(("place", "latch"), LATCHES.items())
 @pytest.mark.parametrize("state", [PRESENT, NOT_MAPPED, MISSING])
 def test_the_counter_of_the_latch_that_the_axis_measures_with(
@@ -62,6 +63,7 @@ def test_the_counter_of_the_latch_that_the_axis_measures_with(
         assert knows_counter(with_eds(other), "Z")
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("state", [PRESENT, NOT_MAPPED, MISSING])
 def test_a_touch_probe_is_there_without_being_mapped(with_eds: WithEds, state: str) -> None:
     """SDO reaches 60B8 as well."""

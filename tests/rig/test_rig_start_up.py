@@ -105,6 +105,7 @@ def test_what_cannot_be_is_told_with_its_place(
     assert error.file is not None
 
 
+@pytest.mark.long
 def test_a_foreign_drive_is_checked_against_its_own_eds(rig_file: Write, settings_of: Read) -> None:
     """The same drive whose maker lets 6065 be read only."""
     text = eds_text(DriveProfile())

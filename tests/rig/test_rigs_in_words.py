@@ -166,6 +166,7 @@ def _refusal(make: Make, *names: str) -> str:
     return ""
 
 
+@pytest.mark.long
 def test_two_spellings_of_one_name_are_refused(make: Make) -> None:
     assert "needs a name of its own" in _refusal(make, "X2_Table", "X2_TABLE")
     assert _refusal(make, "X2_Table", "X2_Tail") == ""

@@ -163,6 +163,7 @@ def test_an_ident_that_cannot_be_written_is_an_alarm(run: Run, command: str, ala
     assert ids(run(f"%wrong\nN10 #IDENT {command}\nN20 M30\n")) == [alarm]
 
 
+@pytest.mark.long
 def test_measuring_type_6_runs_with_a_sercos_axis(run: Run) -> None:
     program = "%six\nN20 G310 G90 Z129 F600 $GOTO [HIT]\nN25 M30\n[HIT]\nN30 M30\n"
     assert ids(run(program, "set:channel.messtyp=6")) == []

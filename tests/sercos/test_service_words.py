@@ -83,6 +83,7 @@ def test_attributes_bit_by_bit() -> None:
     assert listed.pack() == struct.pack("<I", 1 | 1 << 16 | 1 << 18 | 5 << 20)
 
 
+@pytest.mark.long
 @given(ATTRIBUTES)
 def test_an_attribute_comes_back(attribute: Attribute) -> None:
     assert Attribute.read(attribute.pack()) == attribute

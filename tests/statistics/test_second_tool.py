@@ -251,6 +251,7 @@ def test_any_numbers_give_numbers_or_a_refusal(values: list[float]) -> None:
         line(range(len(values)), values)
 
 
+@pytest.mark.long
 @settings(max_examples=40, deadline=None)
 @given(values=UNEQUAL, shift=LENGTHS, scale=st.sampled_from([0.001, 0.5, 2.0, 1000.0]))
 def test_a_change_of_zero_and_unit_changes_nothing_else(
@@ -267,6 +268,7 @@ def test_a_change_of_zero_and_unit_changes_nothing_else(
     assert normal_plot(moved).correlation == pytest.approx(normal_plot(values).correlation)
 
 
+@pytest.mark.long
 @settings(max_examples=40, deadline=None)
 @given(values=SAMPLES)
 def test_a_histogram_counts_every_value_once(values: list[float]) -> None:
@@ -276,12 +278,14 @@ def test_a_histogram_counts_every_value_once(values: list[float]) -> None:
     assert (found.edges[0], found.edges[-1]) == (min(values), max(values))
 
 
+@pytest.mark.long
 @settings(max_examples=40, deadline=None)
 @given(values=UNEQUAL)
 def test_cpk_is_cp_at_most(values: list[float]) -> None:
     assert cpk(values, -2000.0, 1500.0).value <= cp(values, -2000.0, 1500.0).value * (1 + 1e-12)
 
 
+@pytest.mark.long
 @settings(max_examples=40, deadline=None)
 @given(
     slope=st.integers(-50, 50),

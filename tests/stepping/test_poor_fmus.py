@@ -65,6 +65,7 @@ def test_an_uncertainty_stays_the_worst(plant: Make) -> None:
     assert abs(off_ns - back_s * 1e9) <= 1
 
 
+@pytest.mark.long
 def test_an_edge_in_a_shorter_step_does_not_better_the_one_before(plant: Make) -> None:
     """An axis without velocity: the step is the uncertainty, 50 us and then a part of it."""
     without = ("velocity", "motor_velocity")

@@ -165,6 +165,7 @@ def test_axes_of_different_internal_steps_share_the_fine_step(plant: Make) -> No
     assert made.fine_ns == 200 * US
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("axis", ["ServoAxis", "ScrewAxis", "GravityAxis"])
 def test_library_axes_give_the_same_bits_at_any_step(plant: Make, axis: str) -> None:
     """At 30 mm/s into a plane 2 mm away, with friction, and on behind it."""
@@ -213,6 +214,7 @@ def test_steps_are_fine_for_as_long_as_drives_look_back_and_ahead(
     assert (after_ns <= 50 * US) == (look_back_us > 0 or hold_us > 0)
 
 
+@pytest.mark.long
 def test_a_probe_is_switched_off_and_on_and_off_and_on(plant: Make) -> None:
     """It rests 0.1 mm in the workpiece: its level falls with its supply, comes 20 ms after it.
 

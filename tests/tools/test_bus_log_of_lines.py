@@ -38,6 +38,7 @@ def said(log: tuple[Path, Settings], *only: str, to_ms: float = 1e9) -> list[str
     return list(tell_log([path], settings, Selection(only, to_ms=to_ms)))
 
 
+@pytest.mark.long
 def test_the_start_up_is_said_by_registers_objects_and_states(log: tuple[Path, Settings]) -> None:
     lines = said(log, "al_control", "al_status")
     asked = [line.split("AL_CONTROL ")[1] for line in lines if "AL_CONTROL" in line]
@@ -46,6 +47,7 @@ def test_the_start_up_is_said_by_registers_objects_and_states(log: tuple[Path, S
     assert any("SDO write 0x6060:0 Modes of operation = 8" in line for line in said(log, "6060"))
 
 
+@pytest.mark.long
 def test_values_of_the_image_are_said_with_their_objects(log: tuple[Path, Settings]) -> None:
     lines = said(log, "Z.inputs")
     assert "Position actual value" in lines[-1]
@@ -57,6 +59,7 @@ def test_values_of_the_image_are_said_with_their_objects(log: tuple[Path, Settin
     assert none.startswith("no frame for Z.inputs")
 
 
+@pytest.mark.long
 def test_what_each_cycle_has_needs_all(log: tuple[Path, Settings]) -> None:
     path, settings = log
     usual = list(tell_log([path], settings, Selection(("FRMW",), to_ms=20.0)))

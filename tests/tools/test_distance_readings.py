@@ -27,6 +27,7 @@ def shown(rig: str, *changes: str) -> list[tuple[str, str, float]]:
     return [(step, choice, float(value)) for step, choice, value in found]
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     ("rig", "per_second", "of_error"),
     [("distance-z", 16.5, 330.0), ("distance-z-2ms", 9.0, 180.0), ("distance-z-4ms", 5.25, 105.0)],
@@ -45,6 +46,7 @@ def test_the_first_cycle_of_a_dry_run(rig: str, per_second: float, of_error: flo
     assert f"{per_second} um in the first cycle" in text
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     ("changes", "sloped_mm", "clamped_mm"),
     [(["set:Z.kenngr.distc.optimized_scheduling=1"], 0.105, 0.47), ([], 0.115, 0.48)],
@@ -77,6 +79,7 @@ def test_the_choice_of_the_rig_is_shown_and_changes_no_number() -> None:
     assert 'limiter = "clamp", derivative = "per_cycle"' in text
 
 
+@pytest.mark.long
 def test_3d_control_is_a_control_too_and_a_rig_without_any_is_refused() -> None:
     assert "3D control, n = 2" in readings_text(settings_of(RIGS / "distance-5axis.toml", []))
     with pytest.raises(UserError, match="no axis of the rig has distance control"):

@@ -177,6 +177,7 @@ def test_libcosim_as_master_gets_what_the_bench_gets(package: Path, bench) -> No
     assert observer.last_integer_values(slave, [known["probe_rising_count"]]) == [1]
 
 
+@pytest.mark.long
 def test_sensors_and_their_axes_are_one_fmu() -> None:
     """Three axes with one probe, an axis with three switches and a scale, axes alone."""
     (one,) = parts_of(settings_of(RIGS / "probe-xyz.toml", []))

@@ -226,6 +226,7 @@ def is_calm(loop: Loop, law: Law) -> bool:
     return bool(answer.max() <= 1 + OVERSHOOT) and loop.sensitivity_peak(law) <= SENSITIVITY_MAX
 
 
+@pytest.mark.long
 def test_kp_is_the_largest_that_is_calm_and_that_the_list_may_have() -> None:
     """P-AXIS-00759 allows 2; else the next of two digits passes a step or has a larger Ms."""
     assert _calmest(dead(0, 0.1), 0.0) == Law(KP_MAX)

@@ -65,6 +65,7 @@ def test_the_cycle_that_receives_the_value_raises_the_alarm(
     assert set(made.seen.offset_mm) == {0.0}
 
 
+@pytest.mark.long
 @pytest.mark.provokes(70330, 7, owner="axis Z")
 def test_another_axis_fails_and_so_does_this_one_while_it_stops(
     distance_bench: Make, say: Any, words: Any
@@ -86,6 +87,7 @@ def test_another_axis_fails_and_so_does_this_one_while_it_stops(
     assert [alarm.id for alarm in made.channel.further_alarms] == [70330]
 
 
+@pytest.mark.long
 def test_nothing_is_commanded_while_the_axes_stop(
     distance_bench: Make, say: Any, words: Any
 ) -> None:

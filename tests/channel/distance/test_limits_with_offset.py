@@ -36,6 +36,7 @@ def test_not_counted_it_does_not(distance_bench: Make, say: Any) -> None:
     assert max(made.seen.actual_mm) == pytest.approx(13.0, abs=1e-3)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     ("target_mm", "alarms"),
     [
@@ -54,6 +55,7 @@ def test_a_target_counts_with_the_offset(
     assert made.alarm_ids == alarms
 
 
+@pytest.mark.long
 def test_not_counted_a_target_may_be_the_switch(distance_bench: Make, say: Any, words: Any) -> None:
     made = made_with(distance_bench, counts=False, height_mm=1.0)
     made.run(

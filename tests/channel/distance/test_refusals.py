@@ -61,6 +61,7 @@ def test_a_command_waits_until_the_plc_is_enabled(distance_bench: Make, say: Any
     assert made.seen.state.index(DistanceState.ACTIVE) == 80
 
 
+@pytest.mark.long
 def test_the_plc_may_change_the_distance_in_every_cycle(distance_bench: Make, say: Any) -> None:
     """SET_DIST falls by 2 um a cycle; the gap lags v T / kp behind, before the update."""
     made = distance_bench(kp=0.25)
@@ -82,6 +83,7 @@ def test_the_plc_may_change_the_distance_in_every_cycle(distance_bench: Make, sa
 # Not released
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("is_plc", [False, True])
 @pytest.mark.provokes(70336, 7, owner="axis X")
 def test_an_axis_that_is_not_released(

@@ -144,6 +144,7 @@ def test_control_by_a_variable_takes_the_value_of_the_same_cycle(
     assert made.seen.state[99] is DistanceState.ACTIVE_CONST_DIST
 
 
+@pytest.mark.long
 def test_surface_and_distance_are_shown_to_the_plc(distance_bench: Make, say: Any) -> None:
     made = distance_bench(lambda time_ns: 1.5 if time_ns > 100 * MS else 0.5, v_max_mm_s=100.0)
     made.run(say.command("on_const", set_dist_mm=2.0), say.dwell(300))

@@ -59,6 +59,7 @@ def test_off_no_move_leaves_the_axis_where_it_is_and_the_next_block_goes_to_its_
     assert made.alarm_ids == []
 
 
+@pytest.mark.long
 def test_off_runs_the_offset_out_while_the_program_goes_on(
     distance_bench: Make, say: Any, words: Any
 ) -> None:
@@ -75,6 +76,7 @@ def test_off_runs_the_offset_out_while_the_program_goes_on(
     assert seen.sent_mm[-1] == say.start_mm + 0.5
 
 
+@pytest.mark.long
 def test_wait_holds_the_next_command_until_the_offset_is_gone(
     distance_bench: Make, say: Any, words: Any
 ) -> None:
@@ -130,6 +132,7 @@ def test_what_is_still_on_at_the_end_stays_on_and_is_told(distance_bench: Make, 
     assert made.control.offset_mm == pytest.approx(HEIGHT_MM, abs=1e-4)
 
 
+@pytest.mark.long
 def test_a_program_ends_without_waiting_for_a_surface_that_moves(
     distance_bench: Make, say: Any, words: Any
 ) -> None:
@@ -173,6 +176,7 @@ def test_dryrun_computes_everything_and_moves_nothing(
     assert made.alarm_ids == []
 
 
+@pytest.mark.long
 def test_a_frozen_offset_is_part_of_an_actual_position_that_is_adopted(
     distance_bench: Make, say: Any, words: Any
 ) -> None:
@@ -213,6 +217,7 @@ def test_an_error_of_the_axis_switches_it_off_and_its_offset_stays(
     assert seen.offset_mm[off] > 0.0
 
 
+@pytest.mark.long
 def test_an_error_of_another_axis_does_not_stop_it_before_the_axes_stand(
     distance_bench: Make, say: Any, words: Any
 ) -> None:
@@ -264,6 +269,7 @@ def test_an_error_that_halts_every_axis_by_its_own_ramp_leaves_the_offset_where_
 # Monitoring with an offset
 
 
+@pytest.mark.long
 def test_the_offset_counts_as_a_set_position_for_lag_and_jump(
     distance_bench: Make, say: Any
 ) -> None:
@@ -345,6 +351,7 @@ def test_a_slave_stays_where_its_coupling_begins_and_ends_while_an_offset_is_the
     assert w[-1] == pytest.approx(-5.0 + risen_mm, abs=1e-4)
 
 
+@pytest.mark.long
 def test_a_gantry_slave_follows_the_offset_of_its_master(
     distance_bench: Make, say: Any, words: Any
 ) -> None:

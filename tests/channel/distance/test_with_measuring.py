@@ -15,6 +15,7 @@ OFFSET_MM, STOP_MM = 0.75, 12.0
 LAG = FixedStopSettings(lag_limit_mm=1.0, min_time_ns=50 * MS)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("beside", [False, True])
 def test_behind_a_fixed_stop_the_set_position_is_the_actual_one(
     distance_bench: Make, say: Any, words: Any, beside: bool

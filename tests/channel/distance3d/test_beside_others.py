@@ -105,6 +105,7 @@ OWN = "Z[DIST_CTRL SENSOR_SOURCE=VARIABLE SENSOR_VAR=V.E.SENSOR SET_POS=0 DRYRUN
 WHOLE = "#DIST CTRL DRYRUN [SET_POS=0 MODE=MCS]"
 
 
+@pytest.mark.long
 @pytest.mark.provokes(900466, 7)
 @pytest.mark.parametrize(("first", "second", "owner"), [(OWN, WHOLE, "the channel"),
                                                         (WHOLE, OWN, "axis Z")])  # fmt: skip
@@ -128,6 +129,7 @@ def test_another_axis_may_have_its_own(make_head: Make, tool: Any) -> None:
     assert [i for i in made.alarm_ids if i not in (900315, 70332)] == []
 
 
+@pytest.mark.long
 @pytest.mark.provokes(70333, 7)
 @pytest.mark.provokes(900521, 7, axis="X", owner="the channel")
 @pytest.mark.parametrize(("block", "alarm_id"), [("#PUT AX[X]", 70333), ("G100 X5 F100", 900521)])

@@ -56,6 +56,7 @@ def test_wait_off_lasts_until_no_offset_is_on_its_way(
     assert made.alarm_ids == [900315]
 
 
+@pytest.mark.long
 def test_another_set_distance_while_on_is_a_warning_for_each_change(make_head: Make) -> None:
     made = make_head().run(
         TILTED

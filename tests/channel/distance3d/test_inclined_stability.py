@@ -111,6 +111,7 @@ def test_with_every_law_and_filter(
         assert found == pytest.approx(wanted, rel=WITHIN)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     ("place", "divided"), list(zip(INCLINED_DEG, DIVIDED_BY, strict=True)), ids=str
 )
@@ -123,6 +124,7 @@ def test_over_an_inclined_surface_along_the_tool(
     assert found == pytest.approx(1.0 / divided, rel=WITHIN)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("mode", ["MCS", "ACS"])
 @pytest.mark.parametrize("slope", [10.0, 30.0, -30.0])
 def test_along_the_normal_or_an_axis_it_is_divided_by_cos_p(

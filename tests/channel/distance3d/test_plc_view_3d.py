@@ -176,6 +176,7 @@ def test_check_pos_and_ref_are_those_of_the_distance(make_head: Make) -> None:
     assert made.control3d.control.zero_mm == pytest.approx(-61.2836, abs=1e-3)
 
 
+@pytest.mark.long
 @pytest.mark.provokes(900315, 1, owner="the channel")
 def test_a_variable_that_nobody_writes_is_warned_of(make_head: Make) -> None:
     """It is 0 for ever: the distance seems to be 0. A value with a period is watched (900314)."""

@@ -42,6 +42,7 @@ def referred(make_head: Make, text: str, height_mm: Any = noisy, **changes: Any)
     return made.run(text)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     "before",
     [
@@ -82,6 +83,7 @@ def test_ref_forgets_values_of_a_sideways_motion(make_head: Make) -> None:
     assert made.control3d.control.zero_mm == pytest.approx(-HEIGHT_MM - 1.0, abs=1e-4)
 
 
+@pytest.mark.long
 def test_without_a_guide_a_motion_counts_too(make_head: Make) -> None:
     made = referred(
         make_head,

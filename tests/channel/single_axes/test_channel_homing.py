@@ -36,6 +36,7 @@ def modes(bench: Any, node: int) -> list[int]:
     ]
 
 
+@pytest.mark.long
 def test_home_is_where_the_drive_says_and_the_program_goes_on_from_there(
     channel_bench: Make, words: Any
 ) -> None:
@@ -61,6 +62,7 @@ def test_the_jump_to_the_reference_and_the_lag_are_no_faults(
     assert bench.final_mm("Z") == pytest.approx(500.0, abs=INCREMENT_MM)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("buffer_cycles", [0, 5])
 def test_nothing_of_the_time_before_is_left_in_the_buffer(
     channel_bench: Make, words: Any, buffer_cycles: int
@@ -118,6 +120,7 @@ def adopt(*axes: str) -> canon.AdoptActual:
     return canon.AdoptActual(Block(3, 30, "N30"), axes)
 
 
+@pytest.mark.long
 def test_adopting_the_actual_position_waits_for_the_lag_of_the_motion_to_pass(
     channel_bench: Make, words: Any
 ) -> None:
@@ -128,6 +131,7 @@ def test_adopting_the_actual_position_waits_for_the_lag_of_the_motion_to_pass(
     assert bench.final_mm("Z") == pytest.approx(150.0, abs=3 * INCREMENT_MM)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("buffer_cycles", [0, 5])
 def test_adopting_the_actual_position_moves_an_axis_by_its_droop(
     channel_bench: Make, words: Any, buffer_cycles: int

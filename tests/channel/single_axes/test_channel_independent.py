@@ -106,6 +106,7 @@ def test_time_is_that_of_the_whole_motion(channel_bench: Make, words: Any, time_
     assert arrival(course(bench, "X")) == ceil(round(time_s * 1e3, 6))
 
 
+@pytest.mark.long
 def test_a_time_that_cannot_be_kept_gives_the_fastest_motion(
     channel_bench: Make, words: Any
 ) -> None:
@@ -131,6 +132,7 @@ def test_rapid_traverse_has_the_speed_of_the_axis(channel_bench: Make, words: An
     assert arrival(course(bench, "X")) == 500  # 40/100 + 100/1000
 
 
+@pytest.mark.long
 def test_an_alarm_stops_every_axis_with_its_own_ramp(channel_bench: Make, words: Any) -> None:
     bench = channel_bench(words.axis("X"), words.axis("Z", start_mm=130.0), plane_mm=140.0)
     run = words.probe(3, 600.0, Z=110.0)  # 50052: the probe is deflected
@@ -145,6 +147,7 @@ def test_an_alarm_stops_every_axis_with_its_own_ramp(channel_bench: Make, words:
     assert x[-1] - x[full + 1] == pytest.approx(20.0**2 / (2 * A_MM_S2), abs=1e-9)
 
 
+@pytest.mark.long
 def test_a_block_that_cannot_be_decoded_stops_axes_that_are_under_way(
     channel_bench: Make, words: Any
 ) -> None:
@@ -229,6 +232,7 @@ def test_50664_when_the_probe_of_the_axis_does_not_get_ready(
     assert set(bench.set_mm("Z")[5:]) == {bench.set_mm("Z")[-1]}
 
 
+@pytest.mark.long
 def test_50664_when_the_probe_of_the_axis_is_switched_off_on_the_way(
     channel_bench: Make, words: Any
 ) -> None:

@@ -107,6 +107,7 @@ def test_and_not_before_its_block(channel_bench: Make, words: Any) -> None:
     assert bench.channel.measured_acs_mm("Z") is None
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("stop_mm_s2", [500.0, 4000.0])
 def test_a_run_beside_the_path_brakes_with_the_deceleration_of_a_stop(
     channel_bench: Make, words: Any, stop_mm_s2: float

@@ -251,6 +251,7 @@ def test_a_drive_without_a_number_is_silent(bus: Any, fake_axis: Any) -> None:
     assert node.nmt_state is NmtState.INITIALISING
 
 
+@pytest.mark.long
 def test_fast_scan_finds_one_drive_after_the_other(bus: Any, fake_axis: Any) -> None:
     """Three drives that differ in their serial numbers get the node numbers 1, 2, 3."""
     nodes = [drive(bus, fake_axis(), serial) for serial in (0x8000_0001, 5, 4)]

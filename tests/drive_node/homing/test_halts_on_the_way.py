@@ -77,6 +77,7 @@ PASSED = {
 }
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("name", PASSED)
 def test_an_edge_that_was_passed_while_braking_is_approached_anew(name: str) -> None:
     method, start_mm, at_mm, direction, home_mm = PASSED[name]
@@ -190,6 +191,7 @@ def test_the_zero_pulse_before_a_stop_is_looked_for_from_the_stop_again(
     assert found_mm(bench) == pytest.approx(2.5, abs=1.01 / UNITS_PER_MM)
 
 
+@pytest.mark.long
 def test_a_cam_that_was_run_over_is_passed_once_more_on_the_way_back() -> None:
     """Method 24 turns on the cam; the halt lets it roll out of its far side, still upwards."""
     bench = gentle(bench_for(24, 8.0))
@@ -204,6 +206,7 @@ def test_a_cam_that_was_run_over_is_passed_once_more_on_the_way_back() -> None:
     assert found_mm(bench) == pytest.approx(LOW_MM, abs=LATE)
 
 
+@pytest.mark.long
 def test_homing_may_be_halted_again_and_again() -> None:
     bench = gentle(bench_for(26, 12.5))
     halted(bench, 26, 13.0, 1)

@@ -13,6 +13,7 @@ def failed(bench: Bench, method: int) -> float:
     return bench.place_mm
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("method", [3, 19])
 def test_limit_switch_in_the_way_is_an_error(method: int) -> None:
     switches = {

@@ -64,6 +64,7 @@ def test_home_is_where_the_axis_stands(method: int) -> None:
     assert bench.place_mm == 7.0
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(("method", "home_mm"), [(-3, 25.0), (-1, 22.5)])
 def test_home_is_a_stop_or_the_zero_pulse_before_it(method: int, home_mm: float) -> None:
     """The stop is felt by standstill; while it is pressed the torque is limited."""

@@ -65,6 +65,7 @@ def test_acs_is_the_control_of_the_axis_bit_for_bit(run_distance, on):
     assert np.abs(whole.column("Z.superposed_mm")[:rows] - offsets).max() < 1e-12
 
 
+@pytest.mark.long
 def test_objects_and_diagnosis_data_show_what_it_does(run_distance, tmp_path):
     """FCT-M3 12.6 in its units, and 12.10 with its names at every change and at the end."""
     read = {}
@@ -128,6 +129,7 @@ def test_before_anything_says_where_the_surface_is_the_trace_has_the_distance_al
     assert np.isnan(watched.outcome.column("channel.surface_cnc_mm")).all()
 
 
+@pytest.mark.long
 @pytest.mark.provokes(315001, 1, owner="channel 1")
 def test_without_a_max_it_creeps_and_says_so(run_distance):
     values = [text for text in OF_CHANNEL if "a_max" not in text]

@@ -51,6 +51,7 @@ def test_a_sensor_value_that_changes_too_fast(run_distance, alarm_id):
     stands_with_its_offset(watched)
 
 
+@pytest.mark.long
 def test_the_same_motion_with_a_limit_above_it(run_distance):
     """10 m/min are 0.167 mm in 1 ms: the limit of P-AXIS-00417 is one of um/s."""
     motion = SURFACE_ON + "N20 G1 Z36 F10000\nN30 G4 0.3\nN40 Z[DIST_CTRL WAIT OFF]"

@@ -83,24 +83,28 @@ def test_an_unstable_loop_has_no_closed_form_of_its_error(found: Any) -> None:
     )
 
 
+@pytest.mark.long
 def test_a_transient_that_is_not_over_is_told(found: Any) -> None:
     of = found(LEVEL.replace("1.9]", "2]"), *STEEP, *RAMP, "set:Z.kenngr.distc.kp=0.005")
     assert "the transient needs" in text_of(of("distance_error_expected_um"))
     assert "the transient needs" in text_of(of("distance_behind_expected_um"))
 
 
+@pytest.mark.long
 def test_a_limit_that_acts_is_named(found: Any) -> None:
     of = found(LEVEL.replace("1.9]", "2]"), *RAMP, "set:Z.kenngr.distc.v_max=4000")
     assert "limited" in text_of(of("distance_error_expected_um"))
     assert of("offset_speed_mm_s_max").value == pytest.approx(4.0)
 
 
+@pytest.mark.long
 def test_a_telegram_that_comes_seldom_has_no_limit_of_kp(found: Any) -> None:
     of = found(LEVEL, base="distance-z-every-second.toml")
     assert "every SYNC" in text_of(of("distance_kp_limit"))
     assert "every SYNC" in text_of(of("distance_growth_expected"))
 
 
+@pytest.mark.long
 def test_a_surface_that_stands_is_no_sine(found: Any) -> None:
     of = found(LEVEL)
     assert "fewer than two periods" in text_of(of("distance_sine_gain"))

@@ -148,6 +148,7 @@ def test_the_plc_commands(run_distance, state, command, after):
     assert unit.state_r.source is Source.PLC
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("command", WORDS)
 def test_in_an_error_nothing_is_commanded_and_the_offset_stays(run_distance, command):
     """The tool would touch: the program has ended, a command of the PLC waits in its unit."""

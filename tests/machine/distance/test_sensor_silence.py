@@ -122,6 +122,7 @@ TPDO4,254,10,0x60E4,1,32,yes,second
 """
 
 
+@pytest.mark.long
 @pytest.mark.provokes(900315, 1, owner="axis Z", source="SECOND_ENCODER")
 def test_the_first_on_warns_of_a_telegram_without_event_timer(
     run_distance: RunDistance, tmp_path: Any

@@ -118,6 +118,7 @@ def test_what_is_changed_while_on_is_judged_from_the_change_on(run: Run) -> None
     assert seen.value("distance_filter_delay_expected_cycles") == pytest.approx(4.5)
 
 
+@pytest.mark.long
 def test_3d_control_by_words_of_the_program(run: Run) -> None:
     program = (
         "V.G.WZ_AKT.L=80; #TRAFO ON; #DIST CTRL [SENSOR_SOURCE=VARIABLE SENSOR_VAR=V.E.SENSOR];"
@@ -132,6 +133,7 @@ def test_3d_control_by_words_of_the_program(run: Run) -> None:
     )
 
 
+@pytest.mark.long
 def test_3d_control_along_an_axis_over_a_tilted_workpiece(run: Run) -> None:
     """1 mm of Z is cos 30 deg of the distance: the limit of kp is divided by it."""
     program = (
@@ -168,6 +170,7 @@ def test_another_set_value_begins_the_steady_part_anew(run: Run) -> None:
     assert seen.of("distance_error_um").uncertainty <= 0.1
 
 
+@pytest.mark.long
 def test_a_mean_is_as_uncertain_as_the_error_swings(run: Run) -> None:
     """A limit cycle with kp far above its limit: its mean says nothing."""
     seen = run(f"{ON.format(' KP=1.9 N_CYCLES=1')}; G04 0.2; {OFF}", *STEEP, *STEP)
@@ -197,6 +200,7 @@ def test_growth_begins_where_the_program_has_moved_last(run: Run, words: str, n:
     assert seen.of("distance_stability").value == "stable"
 
 
+@pytest.mark.long
 def test_what_the_program_moves_all_the_time_shows_no_growth(run: Run) -> None:
     seen = run(f"{ON.format('')}; G91 G01 Z1 F600; {OFF}", *STEEP)
     assert "excites" in seen.of("distance_growth").note
@@ -210,6 +214,7 @@ def test_the_deviation_from_set_pos_does_not_see_the_program(run: Run) -> None:
     assert found.value is not None, found.note
 
 
+@pytest.mark.long
 def test_no_overshoot_is_foretold_where_a_limit_was_changed_meanwhile(run: Run) -> None:
     one = run(f"{ON.format(' KP=0.1')}; G04 0.03; {OFF}", *CALM, *STEP)
     assert one.of("distance_overshoot_expected_mm").value is not None
@@ -264,6 +269,7 @@ def _legal() -> list[Any]:
     ]
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(("blocks", "plc"), _legal())
 def test_every_legal_use_agrees_with_the_own_model(
     run: Run, blocks: str, plc: tuple[str, ...]

@@ -125,6 +125,7 @@ def test_51026_for_an_axis_beside_the_path(axes: Run) -> None:
     assert axes(MISSED, wrong).alarms == [110757, 51026]
 
 
+@pytest.mark.long
 @pytest.mark.provokes(900241, 2, axis="X")
 def test_900241_for_an_axis_whose_signal_is_no_stop(axes: Run) -> None:
     assert axes(MISSED, "set:X.kenngr.measure.signal=DRIVE").alarms == [900241]

@@ -55,6 +55,7 @@ def test_along_the_tool_and_along_the_normal() -> None:
     assert moved == pytest.approx([0.0, 0.0, 1.5, 0.0, 0.0], abs=1e-12)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("mode", [ECS, MCS])
 def test_the_axes_of_a_robot_keep_the_orientation_of_the_tool(mode: str) -> None:
     chain, random = Chain((45,), ROBOT, {}, 80.0), np.random.default_rng(2)
@@ -90,6 +91,7 @@ def test_how_an_inclined_surface_changes_the_gain(tilt: float, slope: float, gai
         assert own == pytest.approx(inclined_gain(mode, tilt, slope), abs=1e-7)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(("tilt", "slope", "gain"), SLOPES)
 def test_a_sensor_along_the_tool_sees_an_inclined_surface_in_another_way(
     tilt: float, slope: float, gain: float
