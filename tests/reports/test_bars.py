@@ -154,3 +154,20 @@ def test_a_bar_has_its_label_for_screen_readers() -> None:
     text = bar(0.5, 0.1, None, 1.0, "pass", '<m> is "0.5"')
     assert f'width="{WIDTH}" height="{HEIGHT}"' in text
     assert 'aria-label="&lt;m&gt; is &quot;0.5&quot;"' in text
+
+
+@pytest.mark.parametrize(
+    ("value", "u", "low", "high"),
+    [(7.0, 0.1, 2.0, 8.0), (5.0, 0.5, 3.0, 7.0), (4.0, 0.0, 3.5, 6.5)],
+)
+def test_one_value_that_is_allowed_is_in_the_middle(
+    value: float, u: float, low: float, high: float
+) -> None:
+    """Both limits are 5: 1.5 times as far as the value is, four times its uncertainty at least."""
+    area = scale(value, u, 5.0, 5.0)
+    assert (area.low, area.high) == pytest.approx((low, high))
+    text = drawn(value, u, 5.0, 5.0)
+    assert places(text) == pytest.approx([WIDTH / 2] * 2)
+    ((x, width),) = numbers(VALUE, text)
+    expected = EDGE + (WIDTH - 2 * EDGE) * (value - low) / (high - low)
+    assert x + width / 2 == pytest.approx(expected, abs=PLACE_PX)

@@ -146,3 +146,17 @@ def test_the_script_of_the_page_decodes_what_python_encodes() -> None:
         "y": [12.3, 0, None, -4000, 4000, 0],
         "time_ms": [-1, 1, 3, 5, 7, 9],
     }
+
+
+@pytest.mark.parametrize(
+    ("value", "digits", "step"),
+    [(0.6, 0, 1), (0.4, 0, 0), (-0.6, 0, -1), (-0.4, 0, 0), (1.5, 0, 2), (2.5, 0, 2), (-1.5, 0, -2),
+     (0.00126, 4, 13), (-0.00126, 4, -13), (0.00124, 4, 12), (9.9996, 3, 10_000)],
+)  # fmt: skip
+def test_a_value_is_rounded_to_the_nearest_step(value: float, digits: int, step: int) -> None:
+    """In the middle of two to the even one; beside a gap as without one."""
+    assert encode_signal(np.array([value]), digits)[0].start == step
+    assert encode_signal(np.array([value, np.nan]), digits)[0].start == step
+    assert back(np.array([0.0, value, np.nan, value]), digits).tolist()[1::2] == pytest.approx(
+        [step / 10**digits] * 2, rel=1e-12
+    )

@@ -110,3 +110,24 @@ def test_whole_numbers_stay_whole() -> None:
     reduced = envelope(table, [])
     assert reduced.column("probe.signal").type == pa.int8()
     assert set(column(reduced, "probe.signal").tolist()) == {0, 1}
+
+
+@pytest.mark.parametrize(("first", "last"), [(0.0, 1.0), (1.0, 0.0)])
+def test_the_ends_of_a_bin_are_in_the_order_of_the_signal(first: float, last: float) -> None:
+    """20 000 rows are 400 bins of 50; each rises, or falls, from its first row to its last."""
+    values = np.tile(np.linspace(first, last, 20_000 // BINS), BINS)
+    reduced = envelope(trace(values), [])
+    assert column(reduced, "Z.actual_mm").tolist() == [first, last] * BINS
+    rows = column(reduced, "time_ns") // MS
+    assert rows.tolist() == [row for n in range(BINS) for row in (50 * n, 50 * n + 49)]
+
+
+def test_a_bin_shows_the_values_that_it_has_beside_samples_without_one() -> None:
+    """Of 50 rows one has a value, 3, in its middle: smallest and largest."""
+    values = np.ones(20_000)
+    values[10_000:10_050] = np.nan
+    values[10_020] = 3.0
+    reduced = envelope(trace(values), [])
+    rows, found = column(reduced, "time_ns") // MS, column(reduced, "Z.actual_mm")
+    assert found[(rows >= 10_000) & (rows < 10_050)].tolist() == [3.0, 3.0]
+    assert set(found.tolist()) == {1.0, 3.0}

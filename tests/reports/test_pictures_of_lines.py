@@ -168,3 +168,22 @@ def test_0_is_in_the_picture_of_a_single_point(x: float) -> None:
     ticks = [float(word) for word in re.findall(r'text-anchor="middle">(-?[\d.]+)</text>', text)]
     assert 0.0 in ticks
     assert min(ticks) <= x <= max(ticks)
+
+
+def test_the_pointer_shows_what_a_line_and_a_point_are() -> None:
+    """y = 10 - 2.5 x: intercept and slope; of a point y at x, its verdict and its spread."""
+    one = fitted("a", -2.5, 10.0, {2.0: 5.0, 4.0: 0.25}, 0.125, "fail")
+    titles = re.findall(r"<title>([^<]*)</title>", drawing([one], "t", "", ""))
+    assert titles == [
+        "a: 10 and -2.5 for each unit",
+        "a2: 5 at 2, fail, standard deviation 0.125",
+        "a4: 0.25 at 4, fail, standard deviation 0.125",
+    ]
+
+
+@pytest.mark.parametrize(("spread", "words"), [(0.0, ", standard deviation 0"), (None, "")])
+def test_a_spread_of_0_is_known(spread: float | None, words: str) -> None:
+    """One that is not known has neither bar nor words."""
+    text = drawing([fitted("a", 1.0, 0.0, {1.0: 1.0}, spread)], "t", "", "")
+    assert f"<title>a1: 1 at 1, pass{words}</title>" in text
+    assert [low == high for _, low, high in numbers(BAR, text)] == [True] * (spread is not None)

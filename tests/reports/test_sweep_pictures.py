@@ -263,3 +263,23 @@ def test_two_inputs_have_a_sensitivity_and_one_has_none(tmp_path: Path) -> None:
     assert "▼ -87 %" in text
     assert "▲ +13 %" in text
     assert sensitivity_section([each for each in found if each.case == "p-one"]) == ""
+
+
+@pytest.mark.parametrize("places", [("1", "2"), ("10", "20", "50"), ("-3", "400")])
+def test_the_first_and_the_last_value_are_10_px_inside_the_field(places: tuple[str, ...]) -> None:
+    text = drawing([sample(at, float(n)) for n, at in enumerate(places)], "t", "")
+    ((left, width),) = numbers(r'class="ax-field" x="([\d.]+)" y="[\d.]+" width="([\d.]+)"', text)
+    across = [x for x, _ in numbers(CIRCLE, text)]
+    assert across[0] == pytest.approx(left + 10.0, abs=0.06)
+    assert across[-1] == pytest.approx(left + width - 10.0, abs=0.06)
+
+
+@pytest.mark.parametrize(("place", "words"), [(0, ("1", "2")), (1, ("30", "-5"))])
+def test_the_pointer_shows_the_input_that_is_drawn(place: int, words: tuple[str, str]) -> None:
+    """Of two swept inputs the one that goes across, with seven digits of the value."""
+    samples = [
+        Sample("a", ("1", "30"), 1.2345678, 0.0, (None, None), Verdict.PASS),
+        Sample("b", ("2", "-5"), 2.0, 0.0, (None, None), Verdict.FAIL),
+    ]
+    titles = re.findall(r"<title>([^<]*)</title>", drawing(samples, "t", "", place))
+    assert sorted(titles) == [f"a: 1.234568 at {words[0]}, pass", f"b: 2 at {words[1]}, fail"]

@@ -126,3 +126,26 @@ def test_a_run_that_was_taken_over_has_the_budget_of_its_recording(tmp_path: Pat
         table.writeheader()
         table.writerow({"run": "old", "axis": "Y", "frame_log_sha256": "ab", **row()})
     assert "Budget of the measured value, axis Y" in budget_section(tmp_path, run)
+
+
+def test_the_published_value_is_the_error_and_not_the_sum_of_its_causes() -> None:
+    """5, -1 and 3 are 7, and 6.5 were published: what is missing can be seen."""
+    text = waterfall([("a", 5.0), ("b", -1.0), ("c", 3.0)], 6.5)
+    found = re.findall(RECT, text)
+    assert [kind for kind, *_ in found] == ["fall-more", "fall-less", "fall-more", "fall-sum"]
+    per_um = (WIDTH - RIGHT - LEFT) / 7
+    ends = [(float(x), float(x) + float(width)) for _, x, _, width in found]
+    expected = [(0, 5), (4, 5), (4, 7), (0, 6.5)]
+    for end, (low, high) in zip(ends, expected, strict=True):
+        assert end == pytest.approx((LEFT + low * per_um, LEFT + high * per_um), abs=0.2)
+    assert (
+        'aria-label="a +5.0000 um; b -1.0000 um; c +3.0000 um; published value +6.5000 um"' in text
+    )
+
+
+def test_causes_below_0_are_less_wherever_they_end() -> None:
+    text = waterfall([("a", -4.0), ("b", 1.0), ("c", -2.0)], -5.0)
+    kinds = [kind for kind, *_ in re.findall(RECT, text)]
+    assert kinds == ["fall-less", "fall-more", "fall-less", "fall-sum"]
+    (x1, _) = numbers(r'class="fall-zero" x1="([\d.]+)" x2="([\d.]+)"', text)[0]
+    assert x1 == pytest.approx(WIDTH - RIGHT, abs=0.06)  # nothing is above 0
