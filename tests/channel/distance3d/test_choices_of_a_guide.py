@@ -9,6 +9,7 @@ import pytest
 from tests.channel.distance3d.programs import inclined
 from tests.kinematics.machines import MACHINES
 
+from axisrig.kernel.channel.distance.diagnosis import diagnosis
 from axisrig.kernel.channel.distance.guide import AxisGuide, StayingGuide, ToolGuide
 from axisrig.kernel.distance import DistanceCommand, DistanceState
 from axisrig.kernel.distance.limiter import UNLIMITED, AxesAllow
@@ -302,3 +303,25 @@ def test_a_value_of_the_plc_that_is_too_old_ends_3d_control(
     assert silent.value.id == 900314
     assert silent.value.values["source"] == "VARIABLE V.E.SENSOR"
     assert loop.control.state is DistanceState.ERROR
+
+
+def test_the_diagnosis_has_an_active_axis_only_while_the_control_is_on(
+    make_tool_loop: Make,
+) -> None:
+    """Numbers of axes count from 0, and 0 is shown where there is none."""
+    loop = make_tool_loop()
+    loop.plan("ACS", "Z").run(2)
+    names = ("active_mode", "active_ax_idx", "new_mode", "new_ax_idx")
+
+    def shown() -> tuple[str, ...]:
+        found = dict(diagnosis(loop.control3d, is_awaited=False))
+        return tuple(found[name] for name in names)
+
+    assert shown() == ("OFF(0)", "0", "ACS(1)", "2")
+    loop.on(set_pos=80.0)
+    loop.run(1)
+    assert shown() == ("ACS(1)", "2", "ACS(1)", "2")
+    loop.say(DistanceCommand.OFF, no_move=True)
+    loop.control3d.hand_over()
+    loop.run(1)
+    assert shown() == ("OFF(0)", "0", "ACS(1)", "2")
