@@ -1,0 +1,407 @@
+"""A budget where what is alike elsewhere differs: two axes, two probes, clocks of a segment, signs.
+
+SYNCs end at 48 us and each ms after, that of the axis 64 us later; the CNC has its cycle at 600 us.
+"""
+
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import replace
+from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
+
+import pytest
+
+from axisrig.bench.campaign.results.writer import CaseResult
+from axisrig.bench.plan.case import Case
+from axisrig.bench.plan.checks import judge
+from axisrig.bench.plan.plan import read_plan
+from axisrig.bench.plan.verdict import Verdict
+from axisrig.bench.record.measuring import PlcTaskRecord
+from axisrig.bench.record.signal_sources import HELD, STAMPED
+from axisrig.bench.rig.canopen.keys import DriveTable
+from axisrig.bench.rig.contents import settings_of
+from axisrig.bench.tools.budget.budget import Budget, Share, make_budget
+from axisrig.bench.tools.budget.causes import Active, active_causes, causes, measuring_axis
+from axisrig.bench.tools.budget.closed_forms import expected_um
+from axisrig.bench.tools.budget.combining import Runs, combined, groups
+from axisrig.bench.tools.budget.instants import Instants, instants_at_plc
+from axisrig.bench.tools.budget.motion import without_run_up
+from axisrig.bench.tools.budget.observed_run import METRICS, Seen, Track
+from axisrig.bench.tools.budget.words import LEFT, budget_lines
+from axisrig.kernel.time.clock import MS, US
+
+PLANS = Path(__file__).parents[2] / "testplans"
+RIGS = PLANS / "rigs"
+CAUSES = {each.cause: each for each in causes()}
+BOTH_WAYS = pytest.mark.parametrize("sign", [1, -1])
+
+
+def share(cause: str = "trigger", um: float = -1.5, **more: Any) -> Share:
+    values = {"cause": CAUSES[cause], "setting": f"set {cause}", "alone_um": um,
+              "in_turn_um": um, "expected_um": None, "bound_um": None}  # fmt: skip
+    return Share(**(values | more))
+
+
+def budget(*shares: Share, left_um: float = 0.0, increment_um: float = 0.1) -> Budget:
+    return Budget("plan.row", "Z", -9.5, -10.0, increment_um, left_um, shares)
+
+
+# Closed forms within an increment
+
+
+@BOTH_WAYS
+@pytest.mark.parametrize(
+    ("off_um", "expected_um", "differs"),
+    [(0.09, 1.0, False), (0.11, 1.0, True), (0.19, 20.0, False), (0.21, 20.0, True),
+     (0.09, 0.0, False), (0.11, 0.0, True)],
+)  # fmt: skip
+def test_a_share_differs_by_more_than_an_increment_and_more_than_a_hundredth(
+    sign: int, off_um: float, expected_um: float, differs: bool
+) -> None:
+    """Of what is expected, whatever its direction and whichever of both is less."""
+    for side in (1, -1):
+        um = sign * expected_um + side * off_um
+        each = share(um=um, expected_um=sign * expected_um)
+        made = budget(share("radio", 5.0), each)
+        assert made.differing == ((each,) if differs else ())
+        (line,) = (line for line in budget_lines(made) if line.startswith("trigger "))
+        assert (f"  differs by {side * off_um:+.4f}" in line) is differs
+
+
+@BOTH_WAYS
+def test_a_share_within_its_bound_does_not_differ_up_to_an_increment_beyond(sign: int) -> None:
+    for beyond_um, differs in ((-0.3, False), (0.09, False), (0.11, True)):
+        each = share("encoder", sign * (0.4 + beyond_um), bound_um=0.4)
+        assert budget(each).differing == ((each,) if differs else ())
+        if differs:
+            assert each.differs_um(0.1) == pytest.approx(beyond_um)
+
+
+# Words
+
+
+@pytest.mark.parametrize(
+    ("left_um", "shown"),
+    [(-0.0625, "-0.0625"), (0.0625, "+0.0625"), (0.0, "+0.0000"), (-1e-9, "+0.0000")],
+)
+def test_what_is_left_has_its_sign(left_um: float, shown: str) -> None:
+    (line,) = (each for each in budget_lines(budget(left_um=left_um)) if each.startswith(LEFT))
+    assert line.split() == [*LEFT.split(), shown]
+
+
+@pytest.mark.parametrize(
+    ("given", "shown"),
+    [({"expected_um": 0.0}, "+0.0000"), ({"expected_um": -1.5}, "-1.5000"),
+     ({"expected_um": 1.25}, "+1.2500"), ({}, ""), ({"bound_um": 0.0}, "+- 0.0000"),
+     ({"bound_um": 2.0}, "+- 2.0000"), ({"bound_um": 2.0, "expected_um": -1.5}, "+- 2.0000")],
+)  # fmt: skip
+def test_a_closed_form_of_nothing_is_one(given: Mapping[str, float], shown: str) -> None:
+    """A share that is expected to be 0 is shown as 0, one without a closed form as nothing."""
+    (line,) = (
+        each
+        for each in budget_lines(budget(share(**given), increment_um=9.0))
+        if each.startswith("trigger ")
+    )
+    assert (
+        line == f"{'trigger':<20} {'set trigger':<44} {'-1.5000':>10} {'-1.5000':>11} {shown:>15}"
+    )
+
+
+def test_causes_that_differ_are_named_apart_from_those_that_act_on_each_other() -> None:
+    """Four causes: one is both, one each, and one none."""
+    shares = (
+        share("trigger", 1.0, expected_um=3.0),
+        share("radio", 1.0, interacts=True, combined_um=2.0),
+        share("bounce", 1.0, expected_um=-3.0, interacts=True, combined_um=2.0),
+        share("input", 1.0, expected_um=1.0),
+    )
+    differs, acts = budget_lines(budget(*shares))[-2:]
+    assert differs.startswith("differs from its closed form")
+    assert differs.endswith(": trigger, bounce")
+    assert acts.startswith("these act on each other")
+    assert acts.endswith(": radio, bounce")
+
+
+# Which causes are on
+
+
+def two_probes(**given: Any) -> Any:
+    """X has a probe at its drive or not; a probe is at the terminal; Y and Z may measure."""
+    at_drive = given.get("at_drive", {"X"})
+    axes = {
+        name: SimpleNamespace(probe_1="own" if name in at_drive else None) for name in ("X", "Y")
+    }
+    terminal = SimpleNamespace(inputs={1: "other"})
+    measures: Callable[[str], Any] = lambda name: SimpleNamespace(  # noqa: E731
+        flag=lambda _key: name in given.get("measuring", {"X", "Y"})
+    )
+    return SimpleNamespace(
+        rig=SimpleNamespace(axis=axes, plc_task=SimpleNamespace(terminal=terminal)),
+        axis={name: measures(name) for name in axes},
+        files=[Path("rig.toml")],
+    )
+
+
+def test_a_probe_at_a_drive_measures_before_one_at_a_terminal() -> None:
+    """The axis whose drive has it, though others are measuring axes by their lists."""
+    for name in ("X", "Y"):
+        assert measuring_axis(two_probes(at_drive={name}), None) == name
+    assert measuring_axis(two_probes(at_drive=set(), measuring={"Y"}), None) == "Y"
+    assert measuring_axis(two_probes(at_drive=set()), "Y") == "Y"
+    assert measuring_axis(two_probes(at_drive={"X"}, measuring=set()), None) == "X"
+
+
+def on(settings: Any, axis: str = "Z", *, latched: bool = True, **more: Any) -> dict[str, Active]:
+    case: Any = SimpleNamespace(inputs={})
+    return {each.cause.cause: each for each in active_causes(case, settings, axis, latched, **more)}
+
+
+@pytest.mark.parametrize("program", ["own/latch.py", "external_latch.txt", None])
+def test_what_another_program_hands_over_is_not_known(program: str | None) -> None:
+    """V.E.POSITION is a variable of the shipped program; another one may use it as it likes."""
+    settings = settings_of(RIGS / "plc-external.toml", ["plc:V.E.POSITION=1"])
+    task = settings.rig.plc_task
+    assert task is not None
+    assert "handed-over position" in on(settings, latched=False, is_external=True)
+    other = None if program is None else Path(program)
+    rig = settings.rig.model_copy(update={"plc_task": task.model_copy(update={"program": other})})
+    settings.rig = rig
+    assert "handed-over position" not in on(settings, latched=False, is_external=True)
+
+
+@pytest.mark.parametrize(
+    ("fmu", "names"),
+    [
+        ("own/ServoAxis.fmu", {"friction"}),
+        ("own/MyServoAxis.fmu", {"friction"}),
+        ("own/ServoAxisOfMine.fmu", set()),
+        ("ServoAxis/Plain.fmu", set()),
+        ("own/ScrewAxis2.fmu", set()),
+        ("ScrewAxis", {"screw friction", "viscous friction"}),
+    ],
+)
+def test_a_model_is_what_its_name_ends_with(fmu: str, names: set[str]) -> None:
+    """The start values of another one may be others, though its name or folder begins so."""
+    settings = settings_of(RIGS / "probe-z.toml", [])
+    bare = settings.rig.plant["z"].model_copy(update={"fmu": fmu, "start": {}})
+    settings.rig.plant["z"] = bare
+    assert set(on(settings)) - {"input", "encoder"} == names
+
+
+def test_a_cause_of_a_line_is_that_of_any_axis_on_it() -> None:
+    """An axis that is named first, and is on no line, has none; the other one has its own."""
+    settings = settings_of(
+        RIGS / "plc-timestamp-line.toml",
+        ["bus:ec1.drift_compensation=false", "bus:ec1.assumed_sample_us=Z=70"],
+    )
+    table = settings.rig.axis["Z"]
+    elsewhere = table.model_copy(update={"segment": "can1"})
+    settings.rig = settings.rig.model_copy(update={"axis": {"A": elsewhere, "Z": table}})
+    found = on(settings, latched=False)
+    assert {"line drift", "assumed sampling"} <= set(found)
+    assert found["assumed sampling"].value == "70"
+
+
+def test_the_stop_of_a_run_up_is_that_of_each_axis() -> None:
+    """What brakes after a signal stays as it is, of each axis what its own list says."""
+    given = {"X": (800, 1100), "Y": (900, 1200), "Z": (700, 1300)}
+    settings = settings_of(
+        RIGS / "probe-xyz.toml",
+        [
+            text
+            for axis, (stop, brake) in given.items()
+            for text in (
+                f"set:{axis}.getriebe[0].lslope_profil.a_feedh={stop}",
+                f"set:{axis}.getriebe[0].lslope_profil.d_grenz_stufe_1={brake}",
+            )
+        ],
+    )
+    columns = without_run_up(settings)
+    for axis, (stop, brake) in given.items():
+        linear = f"set:{axis}.getriebe[0].lslope_profil"
+        assert columns[f"{linear}.a_feedh"] == str(stop)
+        assert columns[f"{linear}.d_grenz_stufe_1"] == str(brake)
+    assert set(settings.rig.axis) == set(given)
+
+
+# Runs that differ
+
+
+def running(
+    values: Callable[[Mapping[str, str]], tuple[float, float, float | None, float | None]],
+) -> Callable[[Sequence[Case]], Iterator[CaseResult]]:
+    def run(cases: Sequence[Case]) -> Iterator[CaseResult]:
+        for case in cases:
+            there = dict(zip(METRICS, values(case.inputs), strict=True))
+            checks = [judge(check, there[check.name]) for check in case.checks]
+            facts: Any = SimpleNamespace(frame_log_sha256=case.run)
+            yield CaseResult(case, Verdict.PASS, checks, facts=facts)
+
+    return run
+
+
+@BOTH_WAYS
+def test_a_bound_is_of_the_speed_of_the_run_with_all_causes(sign: int) -> None:
+    """5000 ns at 10 mm/s are 0.05 um; without the jitter the axis would have 40 mm/s."""
+
+    def values(inputs: Mapping[str, str]) -> tuple[float, float, float | None, float | None]:
+        off = inputs.get("plc:terminal.stamp_jitter_ns") == "0"
+        return 0.0, sign * (40.0 if off else 10.0), None, 0.0
+
+    row = next(
+        each for each in read_plan(PLANS / "plc_sources.csv").cases
+        if each.rig.name == "plc-timestamp.toml"
+    )  # fmt: skip
+    row = replace(row, inputs={**row.inputs, "plc:terminal.stamp_jitter_ns": "5000"})
+    found = {each.cause.cause: each for each in make_budget(row, "Z", running(values)).shares}
+    assert found["stamp jitter"].bound_um == pytest.approx(0.05)
+
+
+class Game:
+    """Runs of so many causes whose error is a function of those that are on."""
+
+    def __init__(self, count: int, error_um: Callable[[set[int]], float]) -> None:
+        self._error_um, self._all = error_um, set(range(count))
+        self.runs = Runs(count, self._make, self._of)
+
+    def _make(self, offs: Iterable[frozenset[int]]) -> None:
+        pass
+
+    def _of(self, off: Iterable[int]) -> float:
+        return self._error_um(self._all - set(off))
+
+
+@pytest.mark.parametrize("left_um", [50.0, -50.0, 0.0])
+def test_what_is_left_with_all_causes_off_lets_none_act_on_another(left_um: float) -> None:
+    game = Game(3, lambda on: left_um + 1.0 * (0 in on) + 2.0 * (1 in on) - 4.0 * (2 in on))
+    assert groups(game.runs, 1e-6) == [[0], [1], [2]]
+    found = combined(game.runs, 1e-6)
+    assert found.shares_um == pytest.approx({0: 1.0, 1: 2.0, 2: -4.0})
+    assert (found.interacting, found.left_out) == (frozenset(), frozenset())
+    both = Game(3, lambda on: left_um + 6.0 * ({1, 2} <= on) + 1.0 * (0 in on))
+    assert groups(both.runs, 1e-6) == [[0], [1, 2]]
+
+
+def ramp(begin_mm: float, speed_mm_s: float, edge_ms: float) -> Track:
+    times = [k * MS for k in range(8)]
+    places = [begin_mm + speed_mm_s * k * 1e-3 for k in range(8)]
+    return Track(times, places, [speed_mm_s] * 8, 2 * MS, 1, edge_ms)
+
+
+@BOTH_WAYS
+def test_the_edge_of_each_run_is_at_the_speed_of_that_run(sign: int) -> None:
+    """6 mm/s for 0.9 ms with the scatter, 20 mm/s for 0.2 ms without: 5.4 less 4 um."""
+    scatter = Active(CAUSES["scatter"], "1", "", {})
+    settings = settings_of(RIGS / "probe-z.toml", [])
+    for source, latch_ms in (("", 1.5), (STAMPED, None)):
+        later, without = (
+            Seen(-1.0, sign * speed, latch_ms, None, ramp(50, sign * speed, edge_ms), source=source)
+            for speed, edge_ms in ((6.0, 0.9), (20.0, 0.2))
+        )
+        found = expected_um(scatter, settings, "Z", later, without)
+        assert found == pytest.approx(sign * 1.4)
+
+
+# Instants of a segment
+
+
+class Observed:
+    """SYNCs that end at 48 us, those of the axis `late_us` later; no frames were recorded."""
+
+    def __init__(self, late_us: int, **task: Any) -> None:
+        values = {
+            "period_ns": 4 * MS, "offset_ns": 1 * MS, "busy_ns": 1 * MS, "terminal_ns": 4 * MS,
+            "terminal_offset_ns": 1 * MS,
+        }  # fmt: skip
+        self._late_ns = late_us * US
+        self.facts: Any = SimpleNamespace(
+            plc_task=PlcTaskRecord(**(values | task)),
+            timing=SimpleNamespace(period_ns=MS, offset_ns=600 * US),
+        )
+
+    def time_ns(self, row: int) -> int:
+        return row * MS + 48 * US
+
+    def sync_ns(self, _axis: str, row: int) -> int:
+        return self.time_ns(row) + self._late_ns
+
+    def index_at(self, time_ns: int) -> int:
+        return (time_ns - 48 * US) // MS
+
+    def frame_ends_ns(self, *_: object) -> list[int]:
+        return []
+
+
+def touched(source: str, edge_us: int) -> Any:
+    return SimpleNamespace(
+        run=SimpleNamespace(sources={"Z": source}, begin_ns=0),
+        edge_ns=edge_us * US,
+        end_ns=60 * MS,
+        edge_uncertainty_ns=0.0,
+        edges=[[SimpleNamespace(time_ns=edge_us * US, level=True)]],
+    )
+
+
+def rig_of(program: str = "external_latch.py", position: float | None = 1.0) -> Any:
+    drive = DriveTable(input_filter_us=0.0, input_delay_us=0.0)
+    rig = SimpleNamespace(
+        plc_task=SimpleNamespace(program=program),
+        axis={"Z": SimpleNamespace(drive="servo", plant="z")},
+        drive={"servo": drive},
+    )
+    return SimpleNamespace(rig=rig, external={} if position is None else {"POSITION": position})
+
+
+def instants(observed: Observed, source: str, edge_us: int, settings: Any) -> Instants | None:
+    track: Any = observed
+    return instants_at_plc(track, touched(source, edge_us), "Z", settings)
+
+
+@pytest.mark.parametrize("late_us", [0, 64])
+def test_a_probe_at_a_terminal_is_sampled_by_no_drive_whatever_is_handed_over(
+    late_us: int,
+) -> None:
+    """The PLC has it at 5 ms and is done at 6 ms, the CNC at 6.6 ms.
+
+    Handed over is what the CNC has shown before 5 ms, at 4.6 ms: the SYNC at 4.048 ms.
+    """
+    at_terminal = Observed(late_us, probes=("probe",))
+    row_ns = (48 + late_us) * US
+    handed = instants(at_terminal, HELD, 1500, rig_of())
+    assert handed == Instants(4 * MS + row_ns)
+    for settings in (rig_of(position=None), rig_of(position=0.0), rig_of("other.py")):
+        assert instants(at_terminal, HELD, 1500, settings) == Instants(6 * MS + row_ns)
+    assert instants(at_terminal, "PLC", 1500, rig_of()) == Instants(6 * MS + row_ns)
+
+
+@pytest.mark.parametrize(
+    ("late_us", "edge_us", "sampled_ms"),
+    [(0, 1048, 1), (0, 1049, 2), (64, 1048, 1), (64, 1049, 1), (64, 1112, 1), (64, 1113, 2)],
+)
+def test_a_drive_samples_its_input_at_the_sync_of_its_own_segment(
+    late_us: int, edge_us: int, sampled_ms: int
+) -> None:
+    found = instants(Observed(late_us), "PLC", edge_us, rig_of())
+    row_ns = (48 + late_us) * US
+    assert found == Instants(6 * MS + row_ns, sampled_ms * MS + row_ns)
+
+
+@pytest.mark.parametrize(
+    ("edge_us", "plc_us", "value_ms"),
+    # Sampled at 4.048 ms and shown at 4.6 ms: the PLC that began at 4.3 ms does not have it
+    [
+        (3500, 300, 9),
+        (3500, 599, 9),
+        (3500, 600, 10),
+        (3500, 601, 6),
+        (3500, 700, 6),
+        (2500, 300, 5),
+    ],
+)
+def test_the_plc_has_a_sample_when_the_cnc_has_shown_it(
+    edge_us: int, plc_us: int, value_ms: int
+) -> None:
+    """A task of 4 ms takes 1 ms, then a cycle of the CNC; none has what comes as it begins."""
+    found = instants(Observed(0, offset_ns=plc_us * US), "PLC", edge_us, rig_of())
+    assert found is not None
+    assert found.value_ns == value_ms * MS + 48 * US
