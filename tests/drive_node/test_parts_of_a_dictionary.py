@@ -9,7 +9,8 @@ import pytest
 from canopen.objectdictionary import ObjectDictionary, ODVariable, datatypes
 from canopen.sdo.exceptions import SdoAbortedError
 
-from axisrig.bench.drive.cia402.dictionary.eds import eds_text
+from axisrig.bench.drive.canopen.node import Document
+from axisrig.bench.drive.cia402.dictionary.eds import eds_text, object_dictionary
 from axisrig.bench.drive.cia402.dictionary.foreign import foreign_table
 from axisrig.bench.drive.cia402.dictionary.mapping import check_entry
 from axisrig.bench.drive.cia402.dictionary.objects import DATA_TYPES
@@ -166,3 +167,14 @@ def test_an_object_that_the_model_keeps_beside_its_image_is_in_no_pdo(
     od.add_object(one)
     row = foreign_table(DriveProfile(), od).rows[index, 0]
     assert (row.pdo, row.access) == (pdo, "rw")
+
+
+@pytest.mark.parametrize("text", [b"", b"[FileInfo]\r\nFileName=maker.eds\r\n"])
+def test_a_drive_with_the_eds_of_its_maker_hands_that_out(drive_bench: Any, text: bytes) -> None:
+    """1021, as it is, byte for byte; one without it hands out the EDS of its profile."""
+    profile = DriveProfile(lacks="60FD")
+    document = Document(object_dictionary(3, profile), text)
+    with_it = drive_bench(profile=profile, document=document).node.slave.objects
+    assert with_it.upload(0x1021, 0) == text
+    without = drive_bench(profile=profile).node.slave.objects
+    assert without.upload(0x1021, 0) == eds_text(profile).encode()

@@ -178,3 +178,26 @@ def test_a_request_that_waits_through_a_stop_has_no_answer(stops: int) -> None:
     subs = [2] if stops else [1, 2]
     assert [sub for _, sub, _ in far.written] == subs
     assert [frame[3] for frame in far.sent] == subs
+
+
+@pytest.mark.parametrize("way", ["abort", "other", "stop", "read"])
+def test_a_block_that_is_broken_off_sends_no_more_segments(way: str) -> None:
+    """By the client's abort, a frame that is none of it, a reset, or another transfer."""
+    far = Far(value=bytes(range(70)))
+    assert far.ask(0xA0, bytes((127, 0)))[0] == 0xC2 | 4
+    far.server.on_request(b"\xa3" + bytes(7))
+    far.clock.run_until(2 * GAP_NS)
+    assert [frame[0] for frame in far.sent[1:]] == [1, 2, 3]
+    if way == "stop":
+        far.server.stop()
+    elif way == "read":
+        far.value = b"abcd"
+        assert far.ask(0x40, sub=1) == (0x43, int.from_bytes(b"abcd", "little"))
+    else:
+        far.server.on_request((b"\x80" if way == "abort" else b"\xa2\x7f\x7f").ljust(8, b"\0"))
+    count = {"abort": 4, "stop": 4, "read": 5, "other": 5}[way]
+    far.clock.run_until(3000 * MS)
+    assert len(far.sent) == count
+    if way == "other":  # more segments are acknowledged than were sent
+        assert far.sent[-1][0] == 0x80
+    assert far.ask(0x40)[0] == (0x43 if way == "read" else 0x41)  # it serves on
