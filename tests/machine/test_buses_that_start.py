@@ -2,17 +2,20 @@
 
 from collections.abc import Iterator
 from contextlib import ExitStack
+from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
 import pytest
 from tests.drive_node.conftest import FakeAxis, FakeSignal
-from tests.machine.made_rigs import settings_of
+from tests.machine.made_rigs import above, settings_of
 
+from axisrig.bench.machine.canopen import family
 from axisrig.bench.machine.canopen.family import CanBuses
 from axisrig.bench.machine.families import Bench
 from axisrig.bench.machine.recording.received import Received
+from axisrig.bench.record.axes import Telegram
 from axisrig.kernel.errors import Alarm
 from axisrig.kernel.time.clock import MS, TimeNs
 from axisrig.kernel.time.scheduler import new_scheduler
@@ -29,7 +32,7 @@ class Run:
     sampled_ns: instants to which the node of the PLC has stepped the plants.
     """
 
-    def __init__(self, opened: ExitStack, rig: str, *changes: str) -> None:
+    def __init__(self, opened: ExitStack, rig: str | Path, *changes: str) -> None:
         settings = settings_of(rig, *changes)
         self.clock, self.sampled_ns = new_scheduler(), []
         self.axes = {name: FakeAxis() for name in settings.rig.axis}
@@ -117,3 +120,92 @@ def test_cyclic_values_of_an_axis_are_noted_where_its_distance_control_is_releas
     columns = run.buses.take_columns(np.array([20 * MS]), is_last=True)
     named = {name.split(".")[0] for name in columns}
     assert named == ({"Z"} if is_controlled else set())
+
+
+def test_the_telegrams_of_an_axis_have_their_own_transmissions_and_fields() -> None:
+    """In their order; 255 is sent on change, 1 with each SYNC."""
+    mapped = {name: SimpleNamespace(field=name) for name in ("target", "actual", "inputs", "")}
+
+    def telegram(name: str, transmission: int, *fields: str) -> Any:
+        objects = [mapped[one] for one in fields]
+        return SimpleNamespace(name=name, transmission=transmission, objects=objects)
+
+    part: Any = CanBuses.__new__(CanBuses)
+    of = {
+        "X": [telegram("RPDO1", 1, "target", ""), telegram("TPDO3", 255, "inputs")],
+        "Y": [telegram("TPDO1", 3, "actual")],
+    }
+    part.links = {
+        axis: SimpleNamespace(telegrams={one.name: one for one in found})
+        for axis, found in of.items()
+    }
+    assert part.telegrams("X") == [
+        Telegram("RPDO1", 1, ("target", "")), Telegram("TPDO3", 255, ("inputs",))
+    ]  # fmt: skip
+    assert part.telegrams("Y") == [Telegram("TPDO1", 3, ("actual",))]
+
+
+@pytest.mark.parametrize("letting", ["", "Y", "XZ", "ZYX"])
+def test_drives_that_are_let_go_are_led_to_pre_operational_and_the_others_stay(
+    letting: str,
+) -> None:
+    """NMT command 128 with the number of each drive, on its own bus (CiA 301)."""
+    sent: list[tuple[str, int, bytes]] = []
+
+    def network(name: str) -> Any:
+        return SimpleNamespace(send_message=lambda can_id, data: sent.append((name, can_id, data)))
+
+    part: Any = CanBuses.__new__(CanBuses)
+    part.links = {
+        axis: SimpleNamespace(node_id=node, network=network(bus))
+        for axis, node, bus in (("X", 5, "one"), ("Y", 5, "two"), ("Z", 7, "one"))
+    }
+    part.let_go(list(letting))
+    of = {"X": ("one", 5), "Y": ("two", 5), "Z": ("one", 7)}
+    assert sent == [(of[a][0], 0x000, bytes((128, of[a][1]))) for a in letting]
+
+
+def test_a_bus_that_is_lost_is_an_alarm_once_and_each_other_one_too(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """900071 with its name and reason; one that is simulated is never lost."""
+
+    class Outside(SimpleNamespace):
+        """A bus at a real interface."""
+
+    monkeypatch.setattr(family, "OutsideSegment", Outside)
+    part: Any = CanBuses.__new__(CanBuses)
+    part._lost = set()
+    part.segments = {
+        "one": Outside(lost=""), "two": SimpleNamespace(lost="no"), "three": Outside(lost=""),
+    }  # fmt: skip
+    found = []
+    for name, reason in (("", ""), ("three", "unplugged"), ("one", "silent"), ("", "")):
+        if name:
+            part.segments[name].lost = reason
+        found.append([(alarm.id, alarm.values) for alarm in part.look()])
+    assert found == [
+        [], [(900071, {"segment": "three", "reason": "unplugged"})],
+        [(900071, {"segment": "one", "reason": "silent"})], [],
+    ]  # fmt: skip
+
+
+def test_the_heartbeat_of_the_control_is_on_each_bus_that_carries_a_sync(
+    opened: ExitStack, tmp_path: Path
+) -> None:
+    """CiA 301: 700 and its number, state operational; of three buses with a drive each."""
+    cycle = "[cycle]\nperiod_us = 1000\nheartbeat_ms = 5\nmaster_node = 101"
+    run = Run(opened, above(tmp_path, "probe-xyz.toml", cycle))
+    heard: dict[str, list[bytes]] = {name: [] for name in run.buses.segments}
+    for name, segment in run.buses.segments.items():
+        segment.port("ear").attach_data(
+            lambda can_id, data, _time, name=name: (
+                heard[name].append(bytes(data)) if can_id == 0x700 + 101 else None
+            )
+        )
+    run.buses.presence().begin()
+    run.clock.run_until(12 * MS)
+    assert list(heard) == ["can1", "can2", "can3"]
+    for data in heard.values():
+        assert len(data) >= 2
+        assert set(data[1:]) == {b"\5"}
