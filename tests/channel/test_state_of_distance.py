@@ -65,3 +65,21 @@ def test_an_idle_control_of_the_channel_says_nothing_about_an_axis_with_its_own(
     axes: Any = found.distance.axes
     axes["Z"] = axes["Y"]
     assert (found.distance_state("Z"), found.distance_state("Y")) == (state, "ACTIVE")
+
+
+def test_a_run_that_has_measured_0_has_measured() -> None:
+    """V.A.MERF and V.A.MESS of a position at the zero of the axis."""
+    found = ChannelView()
+    measured = {"X": 0.0, "Y": -1.5}
+    measurement: Any = SimpleNamespace(measured_acs_mm=measured.get)
+    found.measurement = measurement
+    assert [found.measurement_ok(axis) for axis in "XYZ"] == [True, True, False]
+    assert [found.measured_acs_mm(axis) for axis in "XYZ"] == [0.0, -1.5, None]
+
+
+def test_an_axis_is_found_by_its_own_logical_number() -> None:
+    found = ChannelView()
+    axes: Any = [SimpleNamespace(name=n, number=k) for n, k in (("X", 5), ("Y", 2), ("Z", 9))]
+    found.axes = axes
+    expected = {5: "X", 2: "Y", 9: "Z", 1: None, 3: None, 10: None}
+    assert {number: found.axis_numbered(number) for number in expected} == expected

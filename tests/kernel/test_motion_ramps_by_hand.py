@@ -5,8 +5,9 @@ from itertools import pairwise
 
 import pytest
 
-from axisrig.kernel.motion.course import Ramp
+from axisrig.kernel.motion.course import Ramp, State
 from axisrig.kernel.motion.jerk import JerkSlope
+from axisrig.kernel.motion.jerk_profile import joined
 from axisrig.kernel.motion.jerk_ramps import (
     JerkLimits,
     Shape,
@@ -15,6 +16,7 @@ from axisrig.kernel.motion.jerk_ramps import (
     pulse,
     way,
 )
+from axisrig.kernel.motion.profile import Slope
 
 
 @pytest.mark.parametrize(
@@ -102,3 +104,51 @@ def test_at_its_end_a_path_has_no_ramp_left(shape: Shape) -> None:
     nothing = slope.plan(0.0, 40.0, slope)
     assert nothing.state(0.0) == (0.0, 0.0, 0.0, ())
     assert slope.rest(path.state(path.duration_s), 10.0, 40.0, slope).duration_s == 0.0
+
+
+@pytest.mark.parametrize("shape", Shape)
+@pytest.mark.parametrize("feed_mm_s", [0.05, 0.5, 0.9])
+def test_a_slow_path_takes_its_way_over_its_feed_and_its_ramps(
+    shape: Shape, feed_mm_s: float
+) -> None:
+    """s/v and half of each ramp time: two pulses of 2 sqrt(v t/a)."""
+    slope = JerkSlope(1000.0, 0.05, 0.05, shape)
+    pulse_s = 2.0 * math.sqrt(feed_mm_s * 0.05 / 1000.0)
+    path = slope.plan(1.0, feed_mm_s, slope)
+    assert path.duration_s == pytest.approx(1.0 / feed_mm_s + pulse_s, rel=1e-9)
+    assert path.at(path.duration_s / 2) == pytest.approx((0.5, feed_mm_s))
+
+
+@pytest.mark.parametrize("shape", Shape)
+@pytest.mark.parametrize("off_mm", [1e-6, -1e-6])
+def test_ramps_that_do_not_quite_fit_never_leave_the_path_nor_turn_it_back(
+    shape: Shape, off_mm: float
+) -> None:
+    """As rounding makes them, a thousand times larger: a run-up, or a braking, of 5 mm."""
+    up = [Ramp(0.0, 1000.0, 0.05), Ramp(1000.0, 0.0, 0.05)]  # to 50 mm/s in 2.5 mm
+    down = [Ramp(0.0, -1000.0, 0.05), Ramp(-1000.0, 0.0, 0.05)]
+    for path in (
+        joined(State(0.0, 0.0, 0.0), 5.0 + off_mm, up, down, shape),
+        joined(State(0.0, 50.0, 0.0), 2.5 + off_mm, down, [], shape),
+        joined(State(0.0, 50.0, 0.0), 2.5 + off_mm, [], down, shape),
+        joined(State(0.0, 50.0 + off_mm, 0.0), 2.5, down, [], shape),
+        joined(State(0.0, 50.0 + off_mm, 0.0), 2.5, [], down, shape),
+    ):
+        places = [path.at(path.duration_s * k / 400) for k in range(400)]
+        places.append(path.at(path.duration_s))
+        assert places[-1] == (path.end_mm, 0.0)
+        for (before_mm, _), (after_mm, speed_mm_s) in pairwise(places):
+            assert 0.0 <= before_mm <= after_mm <= path.end_mm
+            assert speed_mm_s >= 0.0
+        for phase in path.phases:
+            assert 0.0 <= phase.start_mm <= phase.end_mm <= path.end_mm
+            assert min(phase.start_mm_s, phase.end_mm_s) >= 0.0
+
+
+@pytest.mark.parametrize("wrong", [(0.0, 1.0, 1.0), (1.0, 0.0, 1.0), (1.0, 1.0, 0.0)])
+def test_a_linear_slope_without_one_of_its_values_is_refused(
+    wrong: tuple[float, float, float],
+) -> None:
+    for sign in (1.0, -1.0):
+        with pytest.raises(ValueError, match="positive values"):
+            Slope(*(value or (sign - 1.0) for value in wrong))

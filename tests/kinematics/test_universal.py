@@ -7,6 +7,7 @@ from tests.kinematics.test_poses import forward, inverse
 
 from axisrig.kernel.errors import Alarm
 from axisrig.kernel.kinematics import Kinematic, KinematicData, build
+from axisrig.kernel.kinematics.universal import unit
 from axisrig.kernel.parameters import Origin, ParameterSet
 
 # HD of a kinematic 9 whose zero position is the one of the page: 5.4, -39.5, -95
@@ -157,3 +158,11 @@ def test_the_tilt_of_a_tool_is_from_0_upright_to_180_upside_down(
     clamp_mm = kinematic.clamp_mm(tool)
     assert np.linalg.norm(np.subtract(clamp_mm, tool[:3])) == pytest.approx(80.0)
     assert clamp_mm[2] - 3.0 == pytest.approx(80.0 * np.cos(np.radians(tilt_deg)), abs=1e-9)
+
+
+@pytest.mark.parametrize("length", [1e-6, 0.3, 1.0, 250.0])
+def test_a_direction_of_any_length_counts_as_one_of_1(length: float) -> None:
+    """As lists write it; none has no direction."""
+    found = unit((0.6 * length, 0.0, -0.8 * length))
+    assert found == pytest.approx((0.6, 0.0, -0.8))
+    assert unit((0.0, 0.0, 0.0)) is None

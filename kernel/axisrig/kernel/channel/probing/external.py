@@ -80,7 +80,7 @@ class DrivePort:
     def is_clear(self) -> bool:
         """Whether the probe is off at the PLC and no latch is left in the drive."""
         self._waits = not self.handshake.is_idle
-        return self._link.is_clear
+        return not self._waits and self._link.is_clear
 
     @property
     def is_armed(self) -> bool:
