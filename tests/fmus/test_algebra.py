@@ -176,6 +176,10 @@ def test_what_is_not_affine_is_not_split(e: Expr) -> None:
         apply("Sub", X, Y),
         apply("Sub", Y, X),
         apply("Add", apply("Mul", P, X), Y),
+        apply("Sub", Y, apply("Mul", const(2.0), X)),
+        apply("Add", apply("Mul", const(-0.25), X), Y),
+        apply("Sub", Q, apply("Mul", X, const(-3.0))),
+        apply("Add", apply("Neg", X), Y),
         apply("Sub", apply("Div", apply("Add", X, Y), P), Q),
         apply("Select", apply("Lt", Y, P), apply("Sub", X, Q), apply("Sub", apply("Mul", P, X), Y)),
     ],
@@ -417,11 +421,22 @@ def test_sums_and_products_of_integers_are_marked_and_no_others() -> None:
     condition = Expr("Lt", (product, P))
     rows = [Row("p", slot, product, None) for slot in (2, 3, 4, 5)]
     rows += [Row("y", 3, product, None), Row("p", 3, Expr("Select", (condition, product, P)), None)]
+    nested, other = Expr("Sub", (product, P)), Expr("Add", (P, Q))
     rows += [
         Row("p", 3, Expr("Mod", (product, P)), None),
         Row("p", 3, Expr("Floor", (product,)), None),
+        # Each step of a sum may be too large, and what either branch gives
+        Row("p", 3, nested, None),
+        Row("p", 4, Expr("Mul", (other, product)), None),
+        Row("p", 3, Expr("Select", (condition, P, product)), None),
+        Row("p", 3, Expr("Select", (condition, other, nested)), None),
     ]
     assert [row.value for row in with_exact_wholes(stub, rows)] == [
         product, marked, marked, product, product, Expr("Select", (condition, marked, P)),
         Expr("Mod", (marked, P)), Expr("Floor", (product,)),
+        Expr("Whole", (Expr("Sub", (marked, P)),)),
+        Expr("Whole", (Expr("Mul", (Expr("Whole", (other,)), marked)),)),
+        Expr("Select", (condition, P, marked)),
+        Expr("Select", (condition, Expr("Whole", (other,)),
+                        Expr("Whole", (Expr("Sub", (marked, P)),)))),
     ]  # fmt: skip

@@ -199,6 +199,24 @@ def test_a_later_choice_that_needs_a_row_leaves_it_outside_of_the_former(is_firs
         assert found == [1, *range(20, 26), (40, [*range(26, 35)], []), 70]
 
 
+@SIDES
+@pytest.mark.parametrize("needed", [10, 14, 20])
+def test_what_a_branch_itself_needs_of_a_choice_inside_it_is_computed_before_that(
+    is_first: bool, needed: int
+) -> None:
+    """Its value is the sum of the inner choice and of a row that else the inner one alone needs."""
+    both = Expr("Add", [leaf(45), leaf(needed)])
+    held = Expr("Gt", [leaf(1), Expr("const", value=0.0)])
+    args = [held, both, leaf(1)] if is_first else [held, leaf(1), both]
+    whole = Assignment("y", 50, Expr("Select", args), None)
+    rows = [row(1), *chain(10, 30), choice(45, 1, 30, 1), whole]
+    *outside, lazy = indices(lazy_rows(rows, [leaf(50)]))
+    own, other = branch_of(lazy, is_first)
+    # Of 21 equations those from `needed` on are of the inner choice: at least 8 of them
+    assert (outside, other) == ([1], [])
+    assert own == [*range(10, needed + 1), (45, [*range(needed + 1, 31)], [])]
+
+
 def test_rows_without_a_choice_stay_as_they_are() -> None:
     rows = chain(1, 20)
     assert lazy_rows(rows, [leaf(20)]) == rows

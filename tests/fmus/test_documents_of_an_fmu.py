@@ -139,6 +139,19 @@ def test_tables_and_their_rows_are_in_order_with_all_that_is_known() -> None:
     assert "<td>x</td><td></td><td></td><td></td><td></td>" in text_of(shown(name="x"))
 
 
+@pytest.mark.parametrize(
+    ("value", "text"),
+    [(0.123456789012345, "0.123456789012345"), (125.123456, "125.123456"), (1e-9, "1e-09"),
+     (0.1 + 0.2, "0.3"), (-2500000.25, "-2500000.25")],
+)  # fmt: skip
+def test_numbers_of_a_page_have_fifteen_digits(value: float, text: str) -> None:
+    """As many as a double has for sure: what is read there can be set again."""
+    one = shown(name="x", start=(value,), minimum=value, maximum=value)
+    assert f"<td>{text}</td><td>{text} .. {text}</td>" in text_of(one)
+    assert f"<td></td><td>{text} .. </td>" in text_of(shown(name="x", minimum=value))
+    assert f"<td></td><td> .. {text}</td>" in text_of(shown(name="x", maximum=value))
+
+
 # Terminals
 
 

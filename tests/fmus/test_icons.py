@@ -81,6 +81,24 @@ def test_what_comes_later_lies_on_top_and_has_its_own_colour() -> None:
     assert at(-50, -50) == (255, 0, 0)
 
 
+@pytest.mark.parametrize(
+    "pattern", ["", ", pattern = LinePattern.Solid", ", pattern = LinePattern.Dash"]
+)
+def test_a_line_has_its_own_colour_and_is_drawn_whatever_its_pattern(pattern: str) -> None:
+    """Modelica 3.6, 18.6: `color` of a line, `lineColor` of a shape; None alone draws nothing."""
+    line, frame = "points = {{-100, 0}, {100, 0}}", f"extent = {FRAME}"
+    at = drawn(f"Line({line}, color = {{255, 0, 0}}{pattern})")
+    assert at(0, 0) == (255, 0, 0)
+    at = drawn(f"Line({line}, lineColor = {{255, 0, 0}}{pattern})")
+    assert at(0, 0) == (0, 0, 0)
+    at = drawn(f"Rectangle({frame}, lineColor = {{0, 0, 255}}{pattern})")
+    assert (at(-80, 0), at(0, 0)) == ((0, 0, 255), None)
+    at = drawn(f"Rectangle({frame}, color = {{0, 0, 255}}{pattern})")
+    assert at(-80, 0) == (0, 0, 0)
+    at = drawn(f"Line({line}, pattern = LinePattern.None)", f"Rectangle({frame})")
+    assert (at(0, 0), at(-80, 0)) == (None, (0, 0, 0))
+
+
 def test_a_class_that_draws_nothing_is_a_box() -> None:
     at = drawn()
     assert [at(*place) is not None for place in ((-90, 0), (90, 0), (0, 60), (0, -60))] == [

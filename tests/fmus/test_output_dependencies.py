@@ -41,3 +41,43 @@ def test_an_output_depends_on_what_it_is_computed_from_by_any_kind_of_row(kind: 
     assert output_dependencies(system, made) == {10: () if kept else (1, 2), 11: ()}
     system.runtime = [*system.runtime, row(9, parameter(4))]
     assert output_dependencies(system, made) == {10: () if kept else (1, 2, 3), 11: (3,)}
+
+
+def test_a_slot_that_several_rows_compute_depends_on_what_each_of_them_reads() -> None:
+    """As a discrete variable of two when-clauses: either of them may have given its value."""
+
+    def row(value: Any) -> Any:
+        return SimpleNamespace(vector="p", index=1, value=value)
+
+    rows: dict[str, Any] = dict.fromkeys(
+        ("algebraics", "runtime", "conditions", "relations", "schedules", "previous"), ()
+    )
+    system: Any = SimpleNamespace(
+        state_count=0, **rows, updates=[row(parameter(3))], whens=[row(parameter(4)), row(TIME)]
+    )
+    made = [
+        *(shown(name=f"u{n}", causality="input", vector="p", index=3 + n, reference=2 + n)
+          for n in range(3)),
+        shown(name="y", vector="p", index=1, reference=10),
+    ]  # fmt: skip
+    assert output_dependencies(system, made) == {10: (1, 2, 3)}
+
+
+@pytest.mark.parametrize(("vector", "index"), [("y", 2), ("p", 2)])
+def test_what_was_before_an_event_is_memory_whatever_it_is_of(vector: str, index: int) -> None:
+    """pre() of a continuous variable and of a discrete one."""
+    rows: dict[str, Any] = dict.fromkeys(
+        ("updates", "whens", "conditions", "relations", "schedules"), ()
+    )
+    system: Any = SimpleNamespace(
+        state_count=1, **rows, previous=[(7, vector, index)],
+        algebraics=[SimpleNamespace(vector="y", index=5, value=parameter(7))],
+        runtime=[SimpleNamespace(vector="p", index=7, value=parameter(3))],
+    )  # fmt: skip
+    made = [
+        shown(name="u", causality="input", vector="p", index=3, reference=2),
+        shown(name="y", vector="y", index=5, reference=10),
+    ]
+    assert output_dependencies(system, made) == {10: ()}
+    system.previous = [(8, vector, index)]
+    assert output_dependencies(system, made) == {10: (2,)}

@@ -111,3 +111,20 @@ def test_a_parameter_that_decides_in_a_when_clause_acts_where_its_program_has_it
     beside = row(apply("Add", apply("Add", every, parameter(3)), TIME))
     whens = [row(value, "p", 7)]
     assert folded(when("n", *conditions), whens=whens, algebraics=[beside]) == found
+
+
+@pytest.mark.parametrize(
+    ("reads", "found"), [((0, 1, 2, 3), set()), ((1, 2, 3), {0}), ((0, 2, 3), set())]
+)
+def test_a_parameter_that_decides_what_a_state_jumps_to_acts_where_its_program_has_it(
+    reads: tuple[int, ...], found: set[int]
+) -> None:
+    """reinit(n, if a then ...): the same as of a discrete variable of a when-clause."""
+    value = TIME
+    for slot in reads:
+        value = apply("Add", value, parameter(slot))
+    every = apply("Add", apply("Add", parameter(0), parameter(1)), parameter(2))
+    beside = row(apply("Add", apply("Add", every, parameter(3)), TIME))
+    chain = when("n", "a")
+    chain["state"] = chain.pop("target")
+    assert folded(chain, reinits=[row(value, "p", 7)], algebraics=[beside]) == found

@@ -66,7 +66,25 @@ def test_degree_celsius_loses_its_offset_in_products_and_powers(text, exponents)
     assert dict(zip(BASE, unit.exponents, strict=True)) == dict.fromkeys(BASE, 0) | exponents
 
 
-@pytest.mark.parametrize("text", ["furlong", "", "m//s", "m.", "2m", "kmin", "m^2", "N m"])
+@pytest.mark.parametrize(
+    "text",
+    [
+        "furlong",
+        "",
+        "m//s",
+        "m.",
+        "2m",
+        "kmin",
+        "m^2",
+        "N m",
+        "(m.s2",
+        "m.s2)",
+        "(m.s",
+        "()",
+        "N/(m.s",
+        "N/m.s)",
+    ],
+)
 def test_what_is_no_unit_is_refused(text):
     with pytest.raises(UnitError):
         read_unit(text)

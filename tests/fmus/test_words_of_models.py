@@ -299,6 +299,10 @@ def test_initial_unknowns_are_what_is_calculated_for_others() -> None:
         ("parameter", "Int32", {"tunable": False}, True, ("local", "constant", "exact")),
         ("parameter", "Float64", {"tunable": True}, False,
          ("calculatedParameter", "fixed", "calculated")),
+        # one of the language's `final`, which follows from others all the same
+        ("parameter", "Float64", {"tunable": False}, False,
+         ("calculatedParameter", "fixed", "calculated")),
+        ("parameter", "Boolean", {}, False, ("calculatedParameter", "fixed", "calculated")),
         ("input", "Float64", {}, True, ("input", "continuous", None)),
         ("input", "Boolean", {}, True, ("input", "discrete", None)),
         ("state", "Float64", {"fixed": True}, True, ("local", "continuous", "exact")),
@@ -425,6 +429,21 @@ def test_levels_at_which_a_step_may_end_early() -> None:
     for name in ("real", "own", "c"):
         with pytest.raises(BuildError, match=f"{name} is no Boolean output; there are a, b"):
             levels(f'__axisrig(returns_early = "a, {name}")')
+
+
+@pytest.mark.parametrize(
+    ("file", "levels"),
+    [("Part", [7]), ("package", [7]), ("Lib", [7]), ("Other", []), ("Parts", [])],
+)
+def test_levels_are_named_by_the_class_in_a_file_of_its_own_packages(
+    file: str, levels: list[int]
+) -> None:
+    """A namesake in another package of the library is another class."""
+    made = [shown(name="b", type="Boolean", vector="p", index=7)]
+    text = 'model Part\n annotation(__axisrig(returns_early = "b"));\nend Part;'
+    _, ir = texts(text, f"{file}.mo")
+    ir.model = "Lib.Part"
+    assert early_levels(ir, made) == levels
 
 
 @pytest.mark.parametrize(

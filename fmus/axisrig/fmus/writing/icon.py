@@ -42,7 +42,7 @@ def draw(texts: Texts, model: str) -> bytes:
         shape = _corners(kind, text)
         if len(shape) < 2:
             continue
-        if kind != "Line" and "Solid" in text:
+        if kind != "Line" and "FillPattern.Solid" in text:
             pixels[_inside(x, y, shape)] = (*_color(text, "fillColor", 255), 255)
         if "LinePattern.None" not in text:
             ring = shape if kind == "Line" else np.vstack([shape, shape[:1]])
