@@ -265,3 +265,35 @@ def test_a_turn_leaves_half_of_what_an_axis_may_do_to_its_ramps(
         assert slope.least_mm_s2 == pytest.approx(left / share, rel=0.02)
         if tangential is not None and a_mm_s2 == 1000.0:
             assert slope.least_mm_s2 == pytest.approx(tangential * a_mm_s2 / share, rel=0.02)
+
+
+@pytest.mark.parametrize(
+    ("way", "share"),
+    [((3.0, 4.0, 0.0, 0.0, 0.0), 1.0), ((3.0, 0.0, 4.0, 12.0, 0.0), 5.0 / 13.0),
+     ((0.0, 0.0, 0.0, 6.0, -8.0), 1.0), ((0.0, 0.0, 0.0, 0.0, 0.0), 1.0)],
+)  # fmt: skip
+def test_a_step_of_the_path_has_the_share_of_the_tool_in_all_its_coordinates(
+    way: tuple[float, ...], share: float
+) -> None:
+    """5 mm of the tool beside 12 degrees are 13; a turn alone counts in its degrees."""
+    tool = HEAD.forward(START)
+    curve = curve_to(*(a + b for a, b in zip(tool, way, strict=True)))
+    assert curve.share == pytest.approx(share)
+
+
+@pytest.mark.parametrize(("x_mm", "y_mm"), [(30.0, 30.0), (-30.0, 0.0)])
+def test_a_straight_way_keeps_both_steps_of_the_slopes_of_its_axes(
+    x_mm: float, y_mm: float
+) -> None:
+    """Without a turn the axes go as the tool does: each limit over the share of its axis."""
+    slope = Slope(400.0, 1600.0, 25.0)
+    axis = Dynamics(slope, slope, slope, 200.0)
+    tool = HEAD.forward(START)
+    curve = curve_to(tool[0] + x_mm, tool[1] + y_mm, *tool[2:])
+    found = tool_dynamics([axis] * 5, curve)
+    largest = max(abs(x_mm), abs(y_mm)) / math.hypot(x_mm, y_mm)
+    acceleration = found.acceleration
+    assert isinstance(acceleration, Slope)
+    steps = acceleration.a_low_mm_s2, acceleration.a_high_mm_s2, acceleration.change_over_mm_s
+    assert steps == pytest.approx((400.0 / largest, 1600.0 / largest, 25.0 / largest), rel=1e-6)
+    assert found.speed_max_mm_s == pytest.approx(200.0 / largest, rel=1e-6)
