@@ -2,6 +2,8 @@
 
 from collections.abc import Iterator
 from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
 
 import pytest
 
@@ -62,6 +64,21 @@ def test_of_an_own_fmu_gets_and_sets_are_not_noted(note: Path, is_own: bool, fun
     slave.get("position")
     assert last(note).function == function
     slave.close()
+
+
+@pytest.mark.usefixtures("note")
+@pytest.mark.parametrize("is_own", [False, True])
+@pytest.mark.parametrize(
+    ("name", "comes_back"),
+    [("fmi2GetReal", True), ("fmi3SetFloat64", True), ("fmi3DoStep", False),
+     ("fmi2DoStep", False), ("fmi3EnterInitializationMode", False), ("load", False)],
+)  # fmt: skip
+def test_what_may_never_come_back_is_noted_of_an_own_fmu_too(
+    name: str, comes_back: bool, is_own: bool
+) -> None:
+    """A step of a model may hang, whoever has built it; its gets and sets do not."""
+    slave: Any = SimpleNamespace(is_own=is_own, path=Path("a.fmu"), name="z", time_ns=0)
+    assert (FmuSlave._watched(slave, name, len) is len) is (is_own and comes_back)
 
 
 class Slave:
