@@ -96,6 +96,29 @@ def test_linked_systems_of_the_manual(run, program, expected):
     assert last_target(commands) == pytest.approx(expected, abs=1e-9)
 
 
+LEVELS = "#CS ADD[A][10,0,0]\n#CS ADD[B][0,20,0]\n#CS ADD[C][0,0,30,0,0,90]\n"
+
+
+@pytest.mark.parametrize(
+    ("program", "expected"),
+    [
+        ("#CS SELECT[C]", (10, 20, 30)),
+        ("#CS SELECT[C]\n#CS SET[A][1,0,0]", (1, 20, 30)),
+        ("#CS SELECT[C]\n#CS SET[B][0,2,0]", (10, 2, 30)),
+        ("#CS SELECT[C]\n#CS SET[C][0,0,3]", (10, 20, 3)),
+        ("#CS SELECT[C]\n#CS SET[B][0,2,0]\n#CS SET[A][1,0,0]\n#CS SET[C][0,0,3]", (1, 2, 3)),
+        ("#CS SELECT[C]\n#CS SET[B][5,2,0]\n#CS OFF", (15, 2, 0)),
+        ("#CS SELECT[B]\n#CS ON[0,0,7]\n#CS SET[B][0,2,0]", (10, 2, 7)),
+        ("#CS SELECT[B]\n#CS SET[C][1,1,1]\n#CS SELECT[C]", (11, 21, 1)),
+        ("#CS SELECT[C]\n#CS SET[B][0,2,0,0,0,90]", (10, 2, 30)),
+        ("#CS SELECT[C]\n#CS SET[A][1,0,0,0,0,90]", (1 - 20, 0, 30)),
+    ],
+)
+def test_each_linked_system_gets_another_place_while_it_is_on(run, program, expected):
+    """That one alone: those below it stay, those above it go with it."""
+    assert last_target(run(f"{LEVELS}{program}\nG0 X0 Y0 Z0")) == pytest.approx(expected, abs=1e-9)
+
+
 def test_where_the_active_system_lies(run):
     names = ", ".join(f"V.G.SELECTED_CS.TRANS.{axis}" for axis in XYZ)
     commands = run(f'{STACK}#CS SELECT [WCS]\n#MSG ["%f %f %f", {names}]')
