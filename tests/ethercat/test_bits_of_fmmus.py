@@ -75,6 +75,30 @@ def _pairs(fmmu: Fmmu, begin: int, size: int) -> list[tuple[int, int]]:
 def test_each_bit_is_where_its_fmmu_puts_it(
     active: list[Fmmu], place: int, data: bytes, reads: bool, writes: bool
 ) -> None:
+    _compare(active, place, data, reads, writes)
+
+
+@pytest.mark.parametrize(
+    "bits", [(0, 7, 0), (0, 5, 0), (2, 7, 0), (0, 7, 3), (2, 5, 3), (6, 1, 7), (7, 0, 0), (1, 6, 7)]
+)
+@pytest.mark.parametrize(
+    ("place", "size"),
+    [(0, 3), (-2, 8), (0, 1), (1, 1), (2, 1), (0, 2), (1, 2), (-1, 2), (2, 6), (3, 1), (-2, 2)],
+)
+@pytest.mark.parametrize("kind", [1, 2])
+def test_a_datagram_may_have_a_part_of_what_an_fmmu_maps(
+    bits: tuple[int, int, int], place: int, size: int, kind: int
+) -> None:
+    """Three bytes from their first to their last bit on; of the datagram all, a part or nothing."""
+    first, last, there = bits
+    one = Fmmu(LOGICAL, 3, first, last, 10, there, kind)
+    data = bytes(0x5B * (number + 3) % 251 for number in range(size))
+    _compare([one], place, data, reads=True, writes=True)
+    beside = Fmmu(LOGICAL + 4, 2, first, 7, 17, 0, kind)
+    _compare([one, beside], place, data, reads=True, writes=True)
+
+
+def _compare(active: list[Fmmu], place: int, data: bytes, reads: bool, writes: bool) -> None:
     begin, size = LOGICAL + place, len(data)
     memory, picture, frame = Memory(), Memory().held, bytearray(b"\xee" * 5 + data + b"\xee")
     expected, was_read, was_written = bytearray(data), False, False

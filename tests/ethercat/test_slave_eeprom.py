@@ -229,3 +229,11 @@ def test_the_end_word_is_the_last_that_fits(more: int, fits: bool) -> None:
     else:
         with pytest.raises(ValueError, match="do not fit into 2048"):
             sii_content(many)
+
+
+def test_the_esi_file_of_a_drive_of_cia_402_says_its_profile() -> None:
+    """ETG.2000, Profile: number 402; CoE in its mailbox and no SoE."""
+    text = esi_text(describe(DriveProfile()))
+    root = fromstring(text.partition("\n")[2])
+    assert [one.text for one in root.iter("ProfileNo")] == ["402"]
+    assert (len(list(root.iter("CoE"))), len(list(root.iter("SoE")))) == (1, 0)
