@@ -169,7 +169,15 @@ def test_the_way_back_to_a_zero_pulse_may_be_halted_and_passes_another_one_by() 
     bench.run_ms(70)
     assert bench.bits == REACHED
     assert 4.0 < bench.place_mm < 12.0
-    bench.write(homing_acceleration=rate // 3)
+    bench.write(homing_acceleration=rate // 3, controlword=GO_ON)
+    for _ in range(400):
+        bench.run_ms(1)
+        if bench.place_mm < 2.0:  # in the turn, behind the other mark
+            break
+    bench.write(controlword=HALT)
+    bench.run_ms(70)
+    assert bench.bits == REACHED
+    assert bench.place_mm < 2.4
     assert found_mm(bench) == pytest.approx(12.5, abs=1.01 / UNITS_PER_MM)
     bench.write(controlword=0x0F)
     bench.run_ms(10)
