@@ -70,6 +70,9 @@ class Watch:
     def end(self) -> None:
         self.calls.append("end")
 
+    def begin_cycle(self) -> None:
+        self.calls.append("sync")
+
     def _raise(self, found: list[Alarm]) -> None:
         alarms = list(found)
         found.clear()

@@ -22,7 +22,9 @@ HEAD_MM = 80.0
 class Walk:
     """A path, and where its axes were in each cycle."""
 
-    def __init__(self, words: Any, names: str = "XYZCA", **more: Any) -> None:
+    def __init__(
+        self, words: Any, names: str = "XYZCA", *, buffer_cycles: int = 0, **more: Any
+    ) -> None:
         axes = [words.axis(name, a_mm_s2=A_MM_S2, **more).settings() for name in names]
         self.names = names
         start = tuple(HEAD_MM if name == "Z" else 0.0 for name in names)
@@ -32,7 +34,9 @@ class Walk:
         clock: Any = SimpleNamespace(now_ns=0)
         self.clock = clock
         settings = ChannelSettings(override_max_permille=2000)
-        self.path = Path(clock, CycleTiming(MS), axes, links, Offsets({}), settings)
+        self.links = links
+        timing = CycleTiming(MS, buffer_cycles=buffer_cycles)
+        self.path = Path(clock, timing, axes, links, Offsets({}), settings)
         self.path.take_over(start)
         self.places = [start]
 

@@ -1,0 +1,110 @@
+"""Where a path alone ends, how fast it goes back, and what is put into its buffer at once."""
+
+import math
+from itertools import pairwise
+from typing import Any
+
+import pytest
+from tests.channel.test_path_alone import A_MM_S2, HEAD_MM, T_S, TRAFO, Walk
+
+from axisrig.kernel.motion.dynamics import Motion
+
+BUFFER = 4
+
+
+def sent(walk: Walk, cycles: int) -> list[tuple[float, ...]]:
+    """What leaves the buffer in the next cycles."""
+    found = []
+    for _ in range(cycles):
+        assert walk.path.advance() is None
+        found.append(tuple(link.set_mm for link in walk.links))
+    return found
+
+
+@pytest.mark.parametrize("buffer_cycles", [0, BUFFER])
+def test_an_axis_that_is_put_is_sent_there_at_once(words: Any, buffer_cycles: int) -> None:
+    """Nothing of its place before is left in the buffer; the other axes stay."""
+    walk = Walk(words, "XYZ", buffer_cycles=buffer_cycles)
+    sent(walk, 2)
+    walk.path.put("X", 5.0)
+    assert sent(walk, BUFFER + 2) == [(5.0, 0.0, HEAD_MM)] * (BUFFER + 2)
+
+
+@pytest.mark.parametrize("buffer_cycles", [0, BUFFER])
+def test_an_offset_that_is_taken_over_is_in_everything_that_is_on_its_way(
+    words: Any, buffer_cycles: int
+) -> None:
+    """Also in what has left the interpolation and not the buffer: X creeps to its end there."""
+    walk = Walk(words, "XYZ", buffer_cycles=buffer_cycles)
+    plain = Walk(words, "XYZ", buffer_cycles=buffer_cycles)
+    for each in (walk, plain):
+        each.move(X=0.5).cycles()
+    walk.path.take_offset("X", 1.5)
+    found, without = sent(walk, BUFFER + 2), sent(plain, BUFFER + 2)
+    assert [x for x, _, _ in found] == pytest.approx([x + 1.5 for x, _, _ in without])
+    assert [rest for _, *rest in found] == [[0.0, HEAD_MM]] * (BUFFER + 2)
+    assert (len({x for x, _, _ in without}) > 1) is (buffer_cycles > 0)
+
+
+@pytest.mark.parametrize(
+    ("target", "over", "end"),
+    [
+        ({"X": 10.0}, {"X": 2.0}, (12.0, 0.0)),
+        ({"X": -10.0}, {"X": 2.0}, (-12.0, 0.0)),
+        ({"X": 10.0}, {"X": 0.0}, (10.0, 0.0)),
+        ({"X": 30.0, "Y": 40.0}, {"X": 3.0, "Y": 2.0}, (31.5, 42.0)),  # Y decides: 1/20 more
+        ({"X": 30.0, "Y": 40.0}, {"X": 3.0, "Y": 8.0}, (33.0, 44.0)),  # X decides: 1/10 more
+    ],
+)
+def test_a_run_may_go_past_its_target_by_what_the_axis_allows_that_allows_least(
+    words: Any, target: dict[str, float], over: dict[str, float], end: tuple[float, float]
+) -> None:
+    """P-AXIS-00467, along the line; without a signal it ends there."""
+    walk = Walk(words, "XYZ")
+    dynamics = walk.path.dynamics(target, Motion.MEASURING, overtravel_mm=over)
+    assert dynamics is not None
+    walk.path.begin(target, 50.0, dynamics, overtravel_mm=over)
+    walk.cycles()
+    assert walk.places[-1] == pytest.approx((*end, HEAD_MM))
+    plain = Walk(words, "XYZ")
+    plain.path.begin(target, 50.0, dynamics)
+    plain.cycles()
+    expected = (target.get("X", 0.0), target.get("Y", 0.0), HEAD_MM)
+    assert plain.places[-1] == pytest.approx(expected)
+
+
+@pytest.mark.parametrize("before_mm_min", [6000.0, 60.0])
+def test_axes_are_led_back_with_the_speed_that_is_wanted_for_it(
+    words: Any, before_mm_min: float
+) -> None:
+    """5 mm/s, however fast the path before was; axes that are there already stay."""
+    walk = Walk(words, "XYZ").move(before_mm_min, X=2.0, Y=1.0).cycles()
+    walk.places = walk.places[-1:]
+    walk.path.lead_back({"X": 1.0, "Y": 1.0}, 5.0)
+    walk.cycles()
+    assert walk.places[-1] == (1.0, 1.0, HEAD_MM)
+    assert max(map(abs, walk.speeds_mm_s("X"))) == pytest.approx(5.0)
+    walk.path.lead_back({"X": 1.0}, 5.0)
+    assert not walk.path.is_moving
+
+
+@pytest.mark.parametrize("permille", [1000, 2000])
+@pytest.mark.parametrize("feed", [3000.0])
+def test_a_turn_of_the_tool_keeps_to_the_accelerations_of_its_axes_at_every_override(
+    words: Any, permille: int, feed: float
+) -> None:
+    """The ramps leave room for the speed that the override may come to, 200 % of 50 deg/s."""
+    walk = Walk(words).program(TRAFO)
+    walk.places = walk.places[-1:]
+    walk.path.override(permille, {})
+    walk.path.move({"A": -80.0}, feed)
+    walk.cycles()
+    for axis in "YZA":
+        speeds = walk.speeds_mm_s(axis)
+        changes = [abs(b - a) / T_S for a, b in pairwise(speeds)]
+        assert max(changes) <= A_MM_S2 * (1.0 + 1e-3)
+    fastest = max(map(abs, walk.speeds_mm_s("A")))
+    radius_mm = math.dist(walk.places[0][1:3], (0.0, 0.0))
+    # Centripetal R w² takes half of the acceleration at most
+    most = math.degrees(math.sqrt(0.5 * A_MM_S2 / radius_mm))
+    assert fastest == pytest.approx(min(feed / 60.0 * permille / 1000.0, most), rel=0.02)
