@@ -3,7 +3,7 @@
 import pytest
 
 from axisrig.kernel.errors import Alarm
-from axisrig.kernel.nc.canon import TechnologyFunction
+from axisrig.kernel.nc.canon import Message, TechnologyFunction
 
 FARTHEST = 214_748.3647  # 2^31 steps of 0.1 um
 
@@ -68,5 +68,7 @@ def test_the_edges_of_a_dwell_time(run, text, alarm_id):
 @pytest.mark.parametrize(("value", "number"), [(1.4, 1), (1.6, 2), (2.51, 3), (-0.4, 0)])
 def test_numbers_for_the_plc_side_are_rounded(run, value, number):
     """TF5200 programming manual 206761227."""
-    sent = [c.word for c in run(f"P1={value}\nH=P1 T=P1") if isinstance(c, TechnologyFunction)]
+    commands = run(f'P1={value}\nH=P1 T=P1\n#MSG ["%g", V.G.T_AKT]')
+    sent = [c.word for c in commands if isinstance(c, TechnologyFunction)]
     assert sent == [f"H{number}", f"T{number}"]
+    assert [c.text for c in commands if isinstance(c, Message)] == [f"{number}"]

@@ -104,6 +104,18 @@ def test_what_cannot_be_switched_on_is_refused_where_it_is_chosen(
     assert alarm.value.id == alarm_id
 
 
+@pytest.mark.parametrize(("ids", "step"), [("P1", 0), ("P1, 98", 0), ("9, P1", 1)])
+@pytest.mark.parametrize("word", ["KIN ID", "TRAFO", "TRAFO ON"])
+def test_a_computed_id_with_a_fraction_is_named_with_its_step(
+    word: str, ids: str, step: int
+) -> None:
+    """The first kinematic is step 0, the one behind it step 1."""
+    with pytest.raises(Alarm) as alarm:
+        run5(f"P1 = 98.5\n#{word}[{ids}]")
+    assert alarm.value.id == 292005
+    assert (alarm.value.values["id"], alarm.value.values["step"]) == ("98.5", step)
+
+
 @pytest.mark.provokes(900484, 1)
 @pytest.mark.parametrize("word", ["KIN ID", "TRAFO"])
 def test_a_point_for_a_comma_is_a_warning_in_a_run(word: str) -> None:

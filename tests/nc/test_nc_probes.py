@@ -77,6 +77,8 @@ def test_default_and_preparation_are_handed_on(run) -> None:
     assert len(_of(run("#MEAS DEFAULT"), DefaultProbes)) == 1
     assert _of(run("#MEAS PREPARE[AXNR=2]"), PrepareProbe)[0].axes == ("Y",)
     assert _of(run("#MEAS PREPARE[AX=Z]"), PrepareProbe)[0].axes == ("Z",)
+    assert _of(run("#MEAS PREPARE[AX=Z AXNR=2]"), PrepareProbe)[0].axes == ("Z", "Y")
+    assert _of(run("#MEAS PREPARE[AXNR=2 AX=Z]"), PrepareProbe)[0].axes == ("Y", "Z")
 
 
 @pytest.mark.parametrize(

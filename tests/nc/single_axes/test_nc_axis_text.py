@@ -116,11 +116,20 @@ def test_couplings_by_logical_axis_numbers(run: Run) -> None:
 
 
 def test_spellings_of_the_exchange(run: Run) -> None:
+    for all_of_them in ("ALL", "all", "[ALL]", "[all]", "[All]"):
+        (every,) = orders(run(f"%t\nN10 #PUT AX {all_of_them}\nN20 M30\n"))
+        assert every.given == ("X", "Y", "Z")
     text = "%t\nN10 #PUT AX[X, X]\nN20 #CALL AX[X,1,0]\nN30 #PUT AX ALL\n"
     text += "N40 #CALL AX FAST [X,1,0] [Y,2,1]\nN50 M30\n"
     first, back, every, two = orders(run(text))
     assert (first.given, back.called) == (("X",), ("X",))
     assert (every.given, two.called) == (("X", "Y", "Z"), ("X", "Y"))
+
+
+def test_an_axis_that_is_away_is_not_given_again(run: Run) -> None:
+    """Nothing is left of a command that names no other one."""
+    text = "%t\n#PUT AX[Y]\n#PUT AX[Y]\n#PUT AX[Y, Z]\n#PUT AX ALL\n#PUT AX ALL\nM30\n"
+    assert [order.given for order in orders(run(text))] == [("Y",), ("Z",), ("X",)]
 
 
 def test_homing_and_positions(run: Run) -> None:
@@ -167,6 +176,7 @@ def test_20203_for_an_axis_that_is_programmed_twice_in_a_block(run: Run, block: 
         ("#SET AX LINK[1,[X2=X,G,X,Y]]", 900198),
         ("#SET AX LINK[1,[X2=X,H,1,2]]", 900198),
         ("#SET AX LINK[1,[[X2=X]]]", 900198),
+        ("#SET AX LINK[1,[X2=X,Y=X,G]]", 900198),  # a bracket has one pair
         ("#SET AX LINK[1,X2=5]", 900198),
         ("#SET AX LINK[1,,X2=X]", 900198),
         ("#SET AX LINK[]", 900197),

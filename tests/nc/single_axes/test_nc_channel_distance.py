@@ -131,6 +131,28 @@ def test_after_off_no_move_the_program_counts_from_where_the_axes_are(
     assert [(m["Y"], m["Z"]) for m in moves] == [(5.0, 10.0), (5.0, 13.0), (70.0, 0.0)]
 
 
+def test_after_off_no_move_all_axes_of_the_channel_count_from_where_they_are(
+    run: Run, plane_machine: Any
+) -> None:
+    """Also those behind the main axes."""
+    axes = ("X", "Y", "Z", "U", "V")
+
+    class Led(plane_machine):
+        def channel_distance(self) -> ChannelControl:
+            return ChannelControl()
+
+        def execute(self) -> None:
+            is_off = any(isinstance(c, canon.DistanceCommand) and c.no_move for c in self.queue)
+            super().execute()
+            if is_off:
+                self.acs_mm.update({axis: mm + 2.0 for axis, mm in self.acs_mm.items()})
+
+    text = "%t\nG0 X1 U5\n#DIST CTRL [OFF NO_MOVE]\nG91 G0 X1 Y1 Z1 U1 V1\nM30\n"
+    found = run(text, Led(dict.fromkeys(axes, 0.0), None), axes=axes)
+    last = [c.target_mm for c in found if isinstance(c, canon.LinearMove)][-1]
+    assert last == {"X": 4.0, "Y": 3.0, "Z": 3.0, "U": 8.0, "V": 3.0}
+
+
 # ---- refused
 
 

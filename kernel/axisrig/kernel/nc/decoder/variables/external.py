@@ -4,6 +4,7 @@ A value is read when the machining has got to the block, and given out when it g
 Source: TF5200 external variables 1091998347 (synchronous access).
 """
 
+import re
 from collections.abc import Iterator, Mapping
 from math import isfinite
 
@@ -15,6 +16,8 @@ from axisrig.kernel.nc.decoder.base.subprograms import Unit, reachable
 from axisrig.kernel.nc.decoder.base.waiting import Waiting
 from axisrig.kernel.nc.decoder.variables.own import nearest_with_value, spelled
 from axisrig.kernel.nc.expressions import Value
+
+_INDEX = re.compile(r"\[[^\[\]]*\]")
 
 
 def read(context: Context, block: Block, name: str, *indices: int) -> float:
@@ -64,14 +67,13 @@ def spelled_by_plc(context: Context, asked: str) -> str | None:
 
 def check(main: Unit, external: Mapping[str, float]) -> None:
     """Refuse a program with a V.E. variable which the PLC side does not have."""
-    known_names = {name.upper() for name in external}
-    fields = {name.partition("[")[0] for name in known_names if "[" in name}
+    known_names = {_INDEX.sub("[]", name.upper()) for name in external}
     for unit in reachable(main):
         for name, line, column in unit.program.variables:
             if not name.startswith("V.E."):
                 continue
             key = name.removeprefix("V.E.")
-            if key in known_names or key.partition("[")[0] in fields:
+            if key in known_names:
                 continue
             close = nearest(key, external)
             raise UserError(
