@@ -7,6 +7,7 @@ from typing import Any
 import pytest
 from tests.channel.test_path_alone import A_MM_S2, HEAD_MM, T_S, TRAFO, Walk
 
+from axisrig.kernel.errors import Alarm
 from axisrig.kernel.motion.dynamics import Motion
 
 BUFFER = 4
@@ -108,3 +109,43 @@ def test_a_turn_of_the_tool_keeps_to_the_accelerations_of_its_axes_at_every_over
     # Centripetal R w² takes half of the acceleration at most
     most = math.degrees(math.sqrt(0.5 * A_MM_S2 / radius_mm))
     assert fastest == pytest.approx(min(feed / 60.0 * permille / 1000.0, most), rel=0.02)
+
+
+@pytest.mark.parametrize("permille", [250, 500, 1000, 2000])
+def test_an_override_is_of_the_feed_that_the_axes_can_have(words: Any, permille: int) -> None:
+    """F above the largest speed counts as that: 50 % are half of it, 200 % no more than all."""
+    walk = Walk(words, "XYZ", speed_max_mm_s=40.0)
+    walk.path.override(permille, {})
+    walk.move(60_000.0, X=100.0).cycles()
+    expected = 40.0 * min(permille / 1000.0, 1.0)
+    assert max(walk.speeds_mm_s("X")) == pytest.approx(expected, rel=1e-9)
+
+
+def test_a_hold_of_all_that_has_gone_holds_no_path_while_an_axis_is_held(words: Any) -> None:
+    """Y stays held by itself; what moves X alone begins."""
+    walk = Walk(words, "XYZ")
+    walk.path.feedhold(is_on=True, axes=("Y",))
+    walk.path.feedhold(is_on=False, axes=("Y",))
+    walk.move(X=5.0).cycles()
+    assert walk.places[-1][0] == 5.0
+    walk.move(Y=1.0).cycles(50)
+    assert walk.path.is_held
+    assert walk.places[-1][1] == 0.0
+
+
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_a_target_has_to_be_in_reach_with_the_offset_that_counts(words: Any, sign: float) -> None:
+    """The drive reaches 10 mm to either side; 2 mm of distance control count, of X alone."""
+    walk = Walk(words, "XYZ")
+    offsets: Any = walk.path._offsets
+    offsets.counted_mm = lambda axis: 2.0 * sign if axis == "X" else 0.0
+    for link in walk.links:
+        link.can_reach = lambda mm: abs(mm) <= 10.0 or mm == HEAD_MM
+    walk.move(X=8.0 * sign).cycles()
+    with pytest.raises(Alarm) as refused:
+        walk.move(X=8.5 * sign)
+    assert (refused.value.id, refused.value.values["axis"]) == (900012, "X")
+    assert float(str(refused.value.values["target_mm"])) == 10.5 * sign
+    walk.move(Y=9.5 * sign).cycles()
+    walk.move(X=-9.5 * sign).cycles()  # the offset leads away from that end
+    assert walk.places[-1][:2] == (-9.5 * sign, 9.5 * sign)
