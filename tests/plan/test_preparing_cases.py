@@ -256,3 +256,43 @@ def test_a_search_is_looked_at_with_the_values_of_both_its_ends(
         return
     assert look(case).settings.value == ends[0]
     assert probes == [("p-s-s01", ends[0]), ("p-s-s02", ends[1])]
+
+
+def test_mistakes_of_the_first_plan_come_before_those_of_others(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """By file and line behind it, whatever the names are."""
+    found = Prepared(monkeypatch, [0, 1, 2])
+    cases = [replace(case_of(name), file=Path(f"{name}.csv")) for name in ("m", "a", "z")]
+    found.wrong = {
+        name: UserError(f"odd {name}", file=Path(f"{name}.csv"), line=2) for name in "maz"
+    }
+    with pytest.raises(UserError) as caught:
+        prepare_all(cases, apart=(), call_limit_s=5.0)
+    messages = [one.message for one in (caught.value, *caught.value.further)]
+    assert messages == ["odd m", "odd a", "odd z"]
+
+
+def test_a_rig_is_read_again_when_one_of_its_files_has_changed(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    """Many rows have the same, so it is read once for each content of all its files."""
+    rig, base = tmp_path / "rig.toml", tmp_path / "base.toml"
+    for path in (rig, base):
+        path.write_text("one", encoding="utf-8")
+    reads: list[Path] = []
+
+    def read_rig(path: Path) -> tuple[str, list[Path]]:
+        reads.append(path)
+        return f"rig {len(reads)}", [rig, base]
+
+    monkeypatch.setattr(preparing, "read_rig", read_rig)
+    monkeypatch.setattr(preparing, "_rigs", {})
+    monkeypatch.setattr(preparing, "read_settings", lambda table, files, _: (table, files))
+    case = case_of("a", rig=str(rig))
+    assert [preparing.settings_of(case) for _ in range(2)] == [("rig 1", [rig, base])] * 2  # type: ignore[comparison-overlap]
+    for number, path in enumerate((base, rig), start=2):
+        path.write_text("other", encoding="utf-8")
+        assert preparing.settings_of(case) == (f"rig {number}", [rig, base])  # type: ignore[comparison-overlap]
+    path.unlink()
+    assert preparing.settings_of(case)[0] == "rig 4"  # type: ignore[index]

@@ -203,3 +203,19 @@ def test_a_live_view_has_its_pipe_in_the_files_of_each_run_and_probe() -> None:
         [Path("live")],
     )
     assert (watched.bus_logs, watched.trace) == (files.bus_logs, files.trace)
+
+
+def test_runs_are_named_by_when_they_began_and_not_after_they_were_shown() -> None:
+    """Whatever their names are; a run that is shown runs no more, though nobody has ended it."""
+    shown = Shown(5)
+    for run in ("z", "m", "a"):
+        shown.progress.began(run)
+        shown.now_s += 10.0
+    assert shown.progress.state == "0/5 runs; running: z for 30 s, m for 20 s, a for 10 s"
+    shown.show("m")
+    assert shown.progress.state.endswith("; running: z for 30 s, a for 10 s")
+    shown.show("other")
+    assert shown.progress.state.endswith("; running: z for 30 s, a for 10 s")
+    shown.show("z")
+    shown.show("a")
+    assert "running" not in shown.progress.state

@@ -20,6 +20,7 @@ from axisrig.bench.plan.checks import parse_check
 from axisrig.bench.plan.expectation import EXPECTED, NOT_MET
 from axisrig.bench.plan.verdict import Verdict
 from axisrig.bench.record.bus import BusFigures
+from axisrig.kernel.errors import UserError
 from axisrig.kernel.time.clock import MS
 
 
@@ -101,3 +102,22 @@ def test_a_run_is_judged_by_its_checks_and_by_what_was_expected_of_it(
         assert (note == words) is (name in expected)
     assert result.error == (STOPPED if is_stopped else None)
     assert result.facts is left
+
+
+@pytest.mark.parametrize(("named", "written"), [("", "rigs/r.toml"), ("other.toml", "other.toml")])
+def test_a_recording_names_its_run_and_its_rig(
+    monkeypatch: pytest.MonkeyPatch, named: str, written: str
+) -> None:
+    """The rig from the folder of the plan on, or as the results folder calls it."""
+    asked: list[Any] = []
+
+    def writer(file: Path, about: Any, *, holds: bool) -> Any:
+        asked.append((file, about, holds))
+        raise UserError("that is enough")
+
+    monkeypatch.setattr(runner, "recall", lambda _: ("settings", "program"))
+    monkeypatch.setattr(runner, "SeriesWriter", writer)
+    case = replace(case_of("a"), rig=Path("plans/rigs/r.toml"), folder=Path("plans"))
+    files = RunFiles([], Path("t.parquet"), rig=named)
+    assert run_case(case, files).error == "that is enough"
+    assert asked == [(Path("t.parquet"), {"run": "p-a", "rig": written}, True)]

@@ -85,3 +85,17 @@ def test_a_variable_that_nothing_uses_is_refused_before_anything_is_built(
         run("set:Z.a=1", "plc:V.E.FEED=5", "plc:V.E.NONE=7")
     assert caught.value.value == "7"
     assert len(stage.did) == 1
+
+
+@pytest.mark.parametrize("hint", ["did you mean V.E.FEED?", None])
+def test_a_variable_that_is_near_one_of_the_program_is_shown_that(
+    monkeypatch: pytest.MonkeyPatch, hint: str | None
+) -> None:
+    Stage(monkeypatch)
+    used = SimpleNamespace(
+        has=lambda _: False, error=lambda item, _: UserError("odd", value=item.value, hint=hint)
+    )
+    monkeypatch.setattr(single_program, "used_variables", lambda *_: used)
+    with pytest.raises(UserError, match="--set odd") as caught:
+        run("plc:V.E.FED=7")
+    assert (caught.value.value, caught.value.hint) == ("7", hint)

@@ -203,3 +203,18 @@ def test_a_run_that_nobody_has_is_missing_in_its_statistic(plan: Plan) -> None:
     found = rows_of(plan, [], [], hashes).judged(of_a)
     assert found.verdict is Verdict.INCONCLUSIVE
     assert f"{first.run} is missing" in found.checks[0].note
+
+
+@pytest.mark.parametrize(
+    ("chosen", "counts"), [((0,), True), ((1,), True), ((0, 1), True), ((), False)]
+)
+def test_a_row_that_stays_counts_where_one_of_its_runs_is_asked_for(
+    plan: Plan, chosen: tuple[int, ...], counts: bool
+) -> None:
+    """By `-k`; the other row is that of the folder too, and none of its runs is asked for."""
+    of_a, of_b = plan.statistics
+    there = [stored(case, **{DEPENDS: "h"}) for case in plan.cases]
+    there += [stored(of_a, verdict="fail", **{DEPENDS: "h"}), stored(of_b, **{DEPENDS: "h"})]
+    hashes = {plan.cases[number].run: "h" for number in chosen}
+    found = rows_of(plan, [], there, {**hashes, of_a.run: "h", of_b.run: "h"})
+    assert (found.due, found.staying) == ([], [Verdict.FAIL] * counts)

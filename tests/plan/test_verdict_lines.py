@@ -128,3 +128,19 @@ def test_each_overloaded_segment_of_a_run_has_a_line_before_its_causes(
     assert lines[2].startswith("p-r: fail: latch_error_um:Z is ")
     assert lines[3] == f"p-r: segment can4 is overloaded: 9 frames; {load}"
     assert lines[4] == lines[2]
+
+
+@pytest.mark.parametrize(
+    ("value", "u", "verdict"),
+    [(0.5, 0.0, Verdict.PASS), (0.8, 0.15, Verdict.MARGINAL), (1.0, 0.15, Verdict.INCONCLUSIVE),
+     (3.0, 0.15, Verdict.FAIL), (None, 0.0, Verdict.FAIL)],
+)  # fmt: skip
+def test_a_check_that_had_to_fail_is_missed_by_every_other_verdict(
+    value: float | None, u: float, verdict: Verdict
+) -> None:
+    """One that is within its uncertainty of the limit has not failed either."""
+    check: Any = judge(parse_check("lag_mm_max:Z", "<= 1", ""), value, u, "")
+    assert check.verdict is verdict
+    found = _causes(result(check, expected=("lag_mm_max:Z",)))
+    is_missed = any(line.startswith(f"lag_mm_max:Z {NOT_MET}: ") for line in found)
+    assert is_missed is (verdict is not Verdict.FAIL)

@@ -7,6 +7,8 @@ from typing import Any
 import pytest
 import typer
 
+from axisrig.bench.bus.can.logs import SEGMENT_MARK
+from axisrig.bench.campaign import sharing
 from axisrig.bench.campaign.results.stored import StoredRun
 from axisrig.bench.campaign.sharing import (
     Shard,
@@ -16,6 +18,7 @@ from axisrig.bench.campaign.sharing import (
     _names,
     _runs,
     _select,
+    merge,
 )
 from axisrig.bench.cli.main import app
 from axisrig.kernel.errors import UserError
@@ -144,3 +147,77 @@ def test_plans_are_named_with_the_begin_of_their_hashes() -> None:
     plans = [{"name": "p", "sha256": "0123456789abcdef"}, {"name": "q", "sha256": "f" * 64}]
     assert _names({"plans": plans}) == ["p (0123456789ab)", "q (ffffffffffff)"]
     assert _names({}) == []
+
+
+# What is made of shares
+
+
+@pytest.mark.parametrize("name", ["one", "two/../one", "./one", "{}/one"])
+def test_a_folder_is_none_of_those_to_join_however_it_is_written(
+    name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Before any of them is read."""
+    (tmp_path / "two").mkdir()
+    monkeypatch.chdir(tmp_path)
+    into = Path(name.format(tmp_path))
+    for folders in ([Path("one"), Path("two")], [Path("two"), tmp_path / "one"]):
+        with pytest.raises(UserError, match="the folder to make is one of those to join") as e:
+            merge(folders, into, started="now")
+        assert e.value.file == str(into)
+
+
+def test_the_manifest_has_all_parts_and_the_command_of_the_whole(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """With its plans, and without what was of one share."""
+    monkeypatch.setattr(sharing, "build_manifest", lambda plans, **given: {"plans": plans, **given})
+    words = "axisrig run a.csv b.csv -k first --shard 1/2 -o part -j 4 --force -x"
+    parts: Any = [
+        SimpleNamespace(manifest={"command": text.split()}, folder=Path(name))
+        for name, text in (("p1", words), ("p2", words.replace("1/2", "2/2")))
+    ]
+    assert sharing._manifest(parts, ["plans"], "then", Path("all")) == {  # type: ignore[list-item]
+        "plans": ["plans"], "started": "then", "output": "all", "merged": ["p1", "p2"],
+        "command": ["axisrig", "run", "a.csv", "b.csv", "-k", "first", "--force", "-o", "all"],
+    }  # fmt: skip
+
+
+def test_a_run_comes_with_its_own_probes_and_files(tmp_path: Path) -> None:
+    """Of two searches in a folder, whose ids begin with each other."""
+    names = ["s-s01.parquet", "s.blf", "s1.blf", "s1-s01.parquet", f"s{SEGMENT_MARK}can1.pcap"]
+    for name in names:
+        path = tmp_path / ("traces" if name.endswith("parquet") else "bus") / name
+        path.parent.mkdir(exist_ok=True)
+        path.touch()
+    took: list[tuple[str, set[str], list[str]]] = []
+
+    def take(case: Any, rows: Any, files: dict[Any, Path], probes: list[str]) -> None:
+        assert rows == [f"rows of {case['run']}"]
+        took.append((case["run"], {path.name for path in files.values()}, probes))
+
+    def one(name: str, of: str = "") -> Any:
+        return SimpleNamespace(
+            run=name, is_probe=bool(of), case={"run": name, "probe": of}, rows=[f"rows of {name}"]
+        )
+
+    runs = [one("s-s01", "s"), one("s"), one("s1-s01", "s1"), one("s1"), one("s-s02", "s")]
+    part: Any = SimpleNamespace(folder=tmp_path, runs=runs)
+    sharing._take(SimpleNamespace(take=take), part, runs[1])  # type: ignore[arg-type]
+    probes = ["s-s01", "s-s02"]
+    assert took == [
+        ("s-s01", {"s-s01.parquet"}, probes), ("s-s02", set(), probes),
+        ("s", {"s.blf", f"s{SEGMENT_MARK}can1.pcap"}, probes),
+    ]  # fmt: skip
+
+
+def test_an_axisrig_of_others_is_named_by_the_begin_of_its_hash() -> None:
+    def part(name: str, sign: str) -> Any:
+        command = ["axisrig", "run", "a.csv"]
+        plans = [{"name": "a", "sha256": "0" * 64}]
+        manifest = {"command": command, "sources_sha256": sign * 64, "plans": plans}
+        return SimpleNamespace(folder=Path(name), manifest=manifest)
+
+    with pytest.raises(UserError, match="not of one campaign: other axisrig than one") as caught:
+        sharing._refuse_strangers([part("one", "a"), part("two", "a"), part("three", "b")])
+    error = caught.value
+    assert (error.file, error.value, error.allowed) == ("three", "b" * 12, "a" * 12)

@@ -18,7 +18,7 @@ from axisrig.bench.judge.fixed_stop.values import Value
 from axisrig.bench.judge.observed.event import Event
 from axisrig.bench.judge.run_findings import RunFindings
 from axisrig.reports.fixed_stop.section import sections
-from axisrig.reports.fixed_stop.signals import Stop
+from axisrig.reports.fixed_stop.signals import Stop, with_changes
 from axisrig.reports.fixed_stop.words import answers, length, state
 
 
@@ -139,3 +139,81 @@ def test_trouble_is_of_the_run(event: Event, is_shown: bool) -> None:
     )
     assert (("ended by", "A: why") in shown["answers"]) is is_shown
     assert (shown["state"] == "ended") is is_shown
+
+
+@pytest.mark.parametrize(
+    ("measured_ms", "words"),
+    [
+        (None, "not known: no plant gives a contact"),
+        (150, "yes: in contact for 10.0 ms when detected"),
+    ],
+)
+def test_a_contact_that_is_expected_and_not_measured_is_none(
+    measured_ms: float | None, words: str
+) -> None:
+    """The closed form has an instant of it; no signal of a force says that a plant gives one."""
+    mark = at("contact", measured_ms, "Z", oracle_ns=150 * MS)
+    found = stop(mark, at("detected", 160), signals={"Z": {"cnc_lag_mm": "Z.cnc_lag_mm"}})
+    assert state(found, []) == "found"
+    assert answers_of(found)["real stop"] == words
+
+
+def test_how_far_an_axis_moved_is_in_its_own_unit() -> None:
+    """1 um each ms are 20 um in 20 ms; of a rotary axis 1 mdeg each ms is 0.02 degrees."""
+    limits = {"Z": StopLimits(None, 0.01, 20.0, None)}
+    found = stop(
+        at("armed", 101), is_found=False, decided_by=None, watched=["Z"], limits=limits,
+        signals={"Z": {"set_mm": "Z.set_mm"}},
+    )  # fmt: skip
+    way = [0.001 * row for row in range(300)]
+    table = with_changes(trace(Z__set_mm=way, Z__actual_mm=way), [found])
+    missing = answers_of(found, table)["what was missing"]
+    assert missing == "Z: moved 20 µm or more in 20 ms, window 10 µm"
+
+
+@pytest.mark.parametrize(
+    ("decided", "touched", "words"),
+    [("Z", "Z", "yes: in contact"), ("Z2", "Z2", "yes: in contact"),
+     ("Z", "Z2", "yes: Z2 in contact"), ("Z2", "Z", "yes: Z in contact")],
+)  # fmt: skip
+def test_the_axis_in_contact_is_named_where_another_one_decided(
+    decided: str, touched: str, words: str
+) -> None:
+    """Whichever of the two is the main axis."""
+    found = stop(
+        at("contact", 150, touched), at("detected", 180), decided_by=Decision(decided, "lag")
+    )
+    assert answers_of(found)["real stop"] == f"{words} for 30.0 ms when detected"
+
+
+def test_what_is_left_after_relaxing_is_that_of_the_end_of_the_run() -> None:
+    """Its mark at 170 ms, where there is one; else where its recording ends, at 200 ms."""
+    table = trace(
+        Z__cnc_lag_mm=during(0.5, 165, 175, rest=0.25),
+        Z__stop_force_n=during(7.0, 165, 175, rest=3.0),
+    )
+    marks = at("relax_begin", 155), at("relax_end", 160)
+    with_mark = stop(*marks, at("end", 170))
+    assert answers_of(with_mark, table)["left after relaxing"] == "lag 0.5 mm, 7 N"
+    assert answers_of(stop(*marks), table)["left after relaxing"] == "lag 0.25 mm, 3 N"
+
+
+@pytest.mark.parametrize(("count", "numbers"), [(1, [""]), (2, [1, 2]), (3, [1, 2, 3])])
+def test_several_runs_to_a_stop_are_numbered(count: int, numbers: list[Any]) -> None:
+    fields = fields_of(stop(at("contact", 150, "Z")))
+    found = [StopFindings(**fields | {"number": number}) for number in range(1, count + 1)]
+    shown = sections(RunFindings(events=[], of_topics=found), None, "r", {})
+    assert [one["number"] for one in shown] == numbers
+
+
+@pytest.mark.parametrize(
+    ("value", "text"),
+    [(1234.56789, "1234.568"), (-1234.56789, "-1234.568"), (100.0, "100"), (-100.0000001, "-100"),
+     (99.123456789, "99.123457"), (-99.123456789, "-99.123457"), (-0.0000001, "0"), (0.5, "0.5")],
+)  # fmt: skip
+def test_a_value_has_the_same_digits_on_both_sides_of_0(value: float, text: str) -> None:
+    """Seven of them from 100 on, six decimals below."""
+    row = Value("way", "way", "um", "Z", value)
+    fields = fields_of(stop(values=[row]))
+    (shown,) = sections(RunFindings(events=[], of_topics=[StopFindings(**fields)]), None, "r", {})
+    assert shown["values"][0]["measured"] == text

@@ -343,3 +343,46 @@ def test_a_shift_has_the_number_and_the_mean_of_each_folder(
     (shift,) = compared(tmp_path, runs_of_a_case(before), runs_of_a_case(after)).shifts
     assert shift.n == (len(before), len(after))
     assert shift.means == (sum(before) / len(before), sum(after) / len(after))
+
+
+@pytest.mark.parametrize(
+    ("after", "words"),
+    [
+        (1.0, "m is 1 um beyond its limit"),
+        (1.0 + 1e-12, "m is 1 um beyond its limit"),  # the digits of another platform
+        (1.5, "m is 1.5 um beyond its limit, it was 1 um beyond its limit"),
+    ],
+)
+def test_a_value_that_stays_has_no_earlier_one_in_the_words(
+    tmp_path: Path, after: float, words: str
+) -> None:
+    """The limit is 0; the check failed in both, and its verdict fell to an error of the run."""
+    sides = [
+        {
+            "runs": [{"run": "r", "verdict": verdict}],
+            "checks": [{"value": repr(value), "upper": "0", "verdict": of_check}],
+        }
+        for value, verdict, of_check in (
+            (1.0, "inconclusive", "inconclusive"),
+            (after, "fail", "fail"),
+        )
+    ]
+    (line,) = compared(tmp_path, *sides).worse()
+    assert line == f"r: inconclusive -> fail: {words}"
+
+
+@pytest.mark.parametrize(
+    ("before", "after", "pairs"), [(1, 1, 1), (2, 2, 2), (2, 3, 0), (3, 2, 0), (1, 2, 0)]
+)
+def test_runs_with_the_same_inputs_belong_together_where_there_are_as_many(
+    tmp_path: Path, before: int, after: int, pairs: int
+) -> None:
+    """In their order; of other numbers nobody knows which is which."""
+    sides = [
+        {"runs": [{"run": f"{name}{n}", "plc:V.E.FEED": "600"} for n in range(count)]}
+        for name, count in (("a", before), ("b", after))
+    ]
+    found = compared(tmp_path, *sides)
+    assert [one.name for one in found.pairs] == [f"a{n} -> b{n}" for n in range(pairs)]
+    assert all(one.is_by_inputs for one in found.pairs)
+    assert (len(found.lost), len(found.new)) == (before - pairs, after - pairs)
