@@ -100,7 +100,8 @@ def _description(folder: Path, *, is_strict: bool) -> Iterator[Finding]:
         description, problems = _read(folder)
         broken = by_rule([*problems, *bad_names(description)])
     except Exception as error:  # fmpy: an unknown version or a missing element is any Exception
-        yield fail(area, f"it cannot be read: {error or type(error).__name__}", "export it again")
+        text = f"it cannot be read: {str(error) or type(error).__name__}"
+        yield fail(area, text, "export it again")
         return
     for rule, of_rule in broken.items():
         more = f" (and {len(of_rule) - 1} more)" if len(of_rule) > 1 else ""
