@@ -151,3 +151,26 @@ def test_only_a_gantry_with_limits_is_watched(bench: Bench) -> None:
     bench.off(2)
     assert not bench.couplings.watched
     bench.couplings.watch()
+
+
+@pytest.mark.parametrize("offset_mm", [2.0, -0.5])
+@pytest.mark.parametrize("end", ["off", "program"])
+def test_each_slave_of_what_is_parted_gets_its_own_offset_back(
+    bench: Bench, offset_mm: float, end: str
+) -> None:
+    """One group of two; those of another group stay coupled where one group is switched off."""
+    bench.on(1, pair("X2"))
+    bench.on(2, pair("X3"))
+    bench.path.offsets_mm["X"] = offset_mm
+    if end == "off":
+        bench.off(1)
+        assert bench.path.taken == [("X2", offset_mm)]
+        assert bench.couplings.slaves_of(("X",)) == {"X3": "X"}
+        bench.off(1)  # there is none any more
+        bench.off(2)
+    else:
+        bench.couplings.end_program()
+        bench.couplings.end_program()
+    assert bench.path.taken == [("X2", offset_mm), ("X3", offset_mm)]
+    assert bench.couplings.slaves_of(("X",)) == {}
+    assert bench.path.leaders == []
