@@ -79,3 +79,17 @@ def test_a_lost_master_is_what_6007_says(
     one.cycle()
     assert (one.servo.state, one.image.controlword) == (state, word)
     assert [code for code, _, _ in one.sent] == ([0x8130] if option == 1 else [])
+
+
+@pytest.mark.parametrize("method", [-1, -2, -3, -4])
+def test_power_lifts_the_torque_limit_of_a_homing_that_presses(fake_axis: Any, method: int) -> None:
+    """Homing against a stop limits the torque to a share of the rated one; power takes it away."""
+    axis = fake_axis()
+    profile = DriveProfile(homing_torque=300)
+    one = ServoAlone(axis, 6, profile=profile, homing_method=method)
+    one.cycle(controlword=0x1F)
+    one.run_ms(5)
+    pressing_n = 0.3 * profile.rated_force_n
+    assert axis.limits[-1] == pytest.approx((pressing_n, pressing_n))
+    one.servo.reset(one.now_ns)
+    assert min(axis.limits[-1]) > 10 * profile.rated_force_n  # 6072: FFFF per mille
