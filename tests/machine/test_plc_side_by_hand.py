@@ -67,8 +67,8 @@ class Rules:
         self.channel, self.sdos = channel, {name: Sdo() for name in self.DRIVES}
         self.sdo = self.sdos["Z"]
 
-        def get_object(index: int, _sub: int) -> int:
-            if index not in mapped:
+        def get_object(index: int, sub: int) -> int:
+            if index not in mapped or sub:
                 raise KeyError(index)
             return 0
 

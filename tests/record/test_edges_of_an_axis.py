@@ -42,3 +42,20 @@ def test_edges_of_an_axis_are_those_asked_for(asked: dict[str, Any], edges_ns: l
 
 def test_an_older_recording_has_no_edges() -> None:
     assert edges_of(None, axis="Z", begin_ns=0, end_ns=1) == []
+
+
+@pytest.mark.parametrize(
+    ("asked", "edges_ns"),
+    [({"axis": "Z"}, [1, 4]), ({"axis": "Z1"}, [2]), ({"axis": "Z1", "probe": "tip"}, [2]),
+     ({"axis": "Z", "probe": "tip"}, [1]), ({"axis": "Z", "probe": "tip_2"}, [4]),
+     ({"axis": "Z", "probe": "t"}, []), ({"axis": ""}, []), ({"axis": "AZ"}, [3])],
+)  # fmt: skip
+def test_names_count_as_a_whole(asked: dict[str, Any], edges_ns: list[int]) -> None:
+    """A rig may have the axes Z and Z1, and the probes tip and tip_2."""
+    rows = [
+        replace(FIRST, axis=axis, probe=probe, edge_ns=edge_ns)
+        for edge_ns, (axis, probe) in enumerate(
+            [("Z", "tip"), ("Z1", "tip"), ("AZ", "tip"), ("Z", "tip_2")], 1
+        )
+    ]
+    assert [row.edge_ns for row in edges_of(rows, begin_ns=0, end_ns=9, **asked)] == edges_ns

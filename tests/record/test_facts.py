@@ -117,6 +117,26 @@ def test_equal_facts_give_equal_bytes() -> None:
     assert run_text(facts()).endswith("}\n")
 
 
+def test_a_file_has_one_value_in_a_line() -> None:
+    """So that a change of a run is a change of few lines, for whoever compares two of them."""
+    lines = run_text(facts(end_ns=77, fine_ns=5)).splitlines()
+    assert f' "version": {VERSION},' in lines
+    assert '  "end_ns": 77,' in lines
+    assert '  "fine_ns": 5,' in lines
+    assert all(line.count(": ") <= 1 for line in lines)
+    assert [lines[0], lines[-1]] == ["{", "}"]
+
+
+def test_a_value_of_another_type_says_what_is_wrong_with_it(tmp_path: Path) -> None:
+    path = tmp_path / "run.json"
+    path.write_text(edited(lambda content: content["facts"].update(end_ns="soon")), "utf-8")
+    with pytest.raises(UserError) as caught:
+        read_run(path)
+    head = "the recording is damaged: facts.end_ns cannot be read: "
+    assert caught.value.message.startswith(head)
+    assert "integer" in caught.value.message.removeprefix(head)
+
+
 def edited(change: Callable[[Any], None]) -> str:
     content = json.loads(run_text(facts(axes={"Z": axes.AxisRecord("can1", 3, 10_000.0)})))
     change(content)
