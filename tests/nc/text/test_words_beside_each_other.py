@@ -140,3 +140,34 @@ def test_a_cycle_of_others_is_read_with_words_that_nothing_has_here(name: str) -
     found = only_words(f"{name} Z-10 Q5 P3")
     assert (found.g, found.axes, found.addresses) == (("G81",), (), ())
     assert refused("G1 Z-10 Q5").message == "the rig has no such axis"
+
+
+@pytest.mark.parametrize("label", ["N10:", "[A]", "N10: [A]"])
+@pytest.mark.parametrize(("block", "word"), [("G41 X1", "G41"), ("#TIMER [ID=1]", "#TIMER")])
+def test_a_block_with_a_label_is_noted_and_jumped_to_as_one_without(
+    label: str, block: str, word: str
+) -> None:
+    target = "N10" if "N10" in label else "[A]"
+    found = check_program(f"{label} {block}\n$GOTO {target}", "p.nc", XYZ)
+    assert found.errors == ()
+    (note,) = found.notes
+    assert (note.line, note.text.partition(" ")[0]) == (1, word)
+    *labels, last = [part for part in found.program.blocks if part.block.line == 1]
+    assert [type(part.statement) for part in labels] == [Label] * len(label.split())
+    assert [[each.word for each in part.not_acting] for part in labels] == [[]] * len(labels)
+    assert [each.word for each in last.not_acting] == [word]
+
+
+@pytest.mark.parametrize(
+    "head", ["%L UP", "%l UP", "%L   UP", "%L\tUP", "% L \t UP", "%L UP ; of the part", "%L UP\t"]
+)
+def test_a_subprogram_is_named_by_its_word_alone(head: str) -> None:
+    """Blanks and tabs around it, and a comment behind it, are none of it."""
+    program = parse_program(f"{head}\nX1\nM17\n%MAIN\nLL UP", file="p.nc", axes=XYZ)
+    assert ([*program.subprograms], program.name) == (["UP"], "MAIN")
+
+
+@pytest.mark.parametrize(("head", "name"), [("%L", "L"), ("%LUP", "LUP"), ("% LUP 2 ", "LUP 2")])
+def test_a_program_whose_name_begins_with_l_is_a_main_program(head: str, name: str) -> None:
+    program = parse_program(f"{head}\nX1\nM30", file="p.nc", axes=XYZ)
+    assert (program.name, [*program.subprograms]) == (name, [])

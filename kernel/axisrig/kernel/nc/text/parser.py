@@ -167,9 +167,9 @@ class Reading:
             )
         self._end_part()
         name = self.source.code[begin + 1 : end].strip()
-        first, blank, rest = name.partition(" ")
-        if first.upper() == "L" and blank:
-            self._local = rest.strip()
+        words = name.split(maxsplit=1)  # at blanks and tabs
+        if len(words) > 1 and words[0].upper() == "L":
+            self._local = words[1]
             if self._local in self._subprograms:
                 raise self.source.error("second subprogram of this name", begin, value=self._local)
         else:
