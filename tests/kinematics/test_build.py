@@ -235,3 +235,13 @@ def test_axes_of_a_kinematic_are_there_once_and_at_their_places(names: str, fits
 def test_angles_of_98_at_their_very_ends_fit(hd: Sequence[float]) -> None:
     """Never extended from HD2 = 90 on: HD3 is not used there."""
     assert _build([9, 98], written=_hd(hd)).count == 5
+
+
+@pytest.mark.parametrize("second", [9, 45, 91])
+@pytest.mark.parametrize("first", [9, 45, 91])
+def test_only_an_extension_follows_another_kinematic(first: int, second: int) -> None:
+    """Whether both are of one kind or not, and before any of their parameters is looked at."""
+    with pytest.raises(Alarm) as refused:
+        _build([first, second])
+    assert refused.value.id == 900441
+    assert f"only 98 is a second step and {second} is" in str(refused.value.values["reason"])

@@ -1,16 +1,20 @@
 """Latches that the PLC switches or hands over: what waits, what stays, and what counts as open."""
 
+from types import SimpleNamespace
 from typing import Any
 
 import pytest
 from tests.channel.probing.test_drive_port import Drive
 from tests.channel.probing.test_signal_port import CYCLE_NS, MS, SYNC_NS, Bench
 
+from axisrig.kernel.channel.path.stop_way import sent_to
 from axisrig.kernel.channel.probing.external import DrivePort, ExternalPort
 from axisrig.kernel.channel.probing.handshake import Handshake
+from axisrig.kernel.channel.probing.ports import PlcPorts
 from axisrig.kernel.channel.probing.signal import SignalPort, StampPort
 from axisrig.kernel.errors import Alarm
 from axisrig.kernel.measuring.latest_edge import Arrival
+from axisrig.kernel.measuring.rules import EXTERNAL, EXTERNAL_WITH_DRIVE, PLC
 from axisrig.kernel.plc.probing import AxisWrites, LatchTask
 
 ACKNOWLEDGE_CYCLES = 50
@@ -189,3 +193,34 @@ def test_a_stamp_has_32_bits_and_clocks_that_nobody_watches_are_no_alarm(limited
     assert port.latched_mm == pytest.approx(bench.place_mm(stamp_ns), abs=1e-6)
     speed_mm_ns = port.latched_speed_mm / MS
     assert port.doubt_mm == pytest.approx(2.0 * 300 * speed_mm_ns)
+
+
+def test_an_axis_has_one_latch_for_each_source_and_one_probe_to_switch() -> None:
+    """External hardware and a drive with an external probe share the tasks of the axis."""
+    bench = Bench()
+    link: Any = bench.link
+    link.edge = "POS"
+    units = {"Z": SimpleNamespace(probing=bench.unit)}
+    plc: Any = SimpleNamespace(task=bench.task, axis=units)
+    ports = PlcPorts({"Z": link}, plc, bench.clock)  # type: ignore[arg-type]
+    assert ports.find("Z", PLC) is None
+    first = ports.choose("Z", PLC, 1, "POS")
+    assert ports.find("Z", PLC) is first
+    assert ports.find("Z", EXTERNAL) is None
+    hardware = ports.choose("Z", EXTERNAL, 2, "NEG")
+    with_drive = ports.choose("Z", EXTERNAL_WITH_DRIVE, 3, "POS")
+    assert len({id(first), id(hardware), id(with_drive)}) == 3
+    assert hardware.handshake is with_drive.handshake is not None
+    assert (with_drive.handshake.probe_input, with_drive.handshake.edge) == (3, "POS")
+    assert ports.choose("Z", PLC, 1, "NEG") is first
+    assert first.edge == "NEG"  # type: ignore[union-attr]
+    assert first.handshake is None
+
+
+def test_what_was_sent_to_axes_is_their_set_positions() -> None:
+    """Of each axis in its order, when it is asked for."""
+    links: Any = [SimpleNamespace(set_mm=1.0, actual_mm=9.0), SimpleNamespace(set_mm=2.0)]
+    sent = sent_to(iter(links))
+    assert sent() == (1.0, 2.0)
+    links[0].set_mm = 3.0
+    assert sent() == (3.0, 2.0)
