@@ -153,7 +153,9 @@ def asked(capsys: pytest.CaptureFixture[str], *words: str, **more: Any) -> tuple
     return ended.value.exit_code, capsys.readouterr().out.removesuffix("\n")
 
 
-def test_params_answers_by_its_words(answers: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_params_answers_by_its_words(
+    answers: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
     rig, sets = Path("z.toml"), ["set:Z.a=1"]
     for found, expected in (
         (asked(capsys, "kp", "max"), (0, f"parameters_text {(['kp', 'max'], 'text')}")),
@@ -168,8 +170,13 @@ def test_params_answers_by_its_words(answers: Path, capsys: pytest.CaptureFixtur
         (asked(capsys, "known", str(answers)), (0, "z.lst\nline")),
     ):  # fmt: skip
         assert found == expected
-    params_command._known([str(answers)])
-    assert "3 lines are comments now" in capsys.readouterr().err
+    for count, words in (
+        (0, "0 lines are comments now: they act"), (1, "1 line is a comment now: it acts"),
+        (3, "3 lines are comments now: they act"),
+    ):  # fmt: skip
+        monkeypatch.setattr(f"{TOOLS}.params.known.known_text", lambda _, n=count: ("line\n", n))
+        params_command._known([str(answers)])
+        assert capsys.readouterr().err == f"{words} on nothing here\n"
 
 
 @pytest.mark.parametrize(

@@ -112,4 +112,4 @@ def test_scenarios_have_machines_on_ethercat(
     monkeypatch.chdir(Path(__file__).parents[2])
     code, out, err = axisrig("scenarios", "--machine", "ethercat-probe", "--count", "1", "-j", "1")
     assert code == 0, err
-    assert out.startswith("1 scenarios")
+    assert out.startswith("1 scenario\n")

@@ -326,7 +326,7 @@ def test_a_row_runs_apart_where_its_rig_is_foreign_or_calls_are_limited(
 
     def run_cases(cases: Any, files_of: Any, **given: Any) -> Any:
         asked.update(given, cases=cases, files=files_of("r"))
-        return [result_of(Verdict.PASS)]
+        return [result_of(Verdict.PASS, series="series")]
 
     monkeypatch.setattr(pytest_plugin, "run_cases", run_cases)
     monkeypatch.setattr(pytest_plugin, "foreign_rigs", lambda rigs: set(rigs) if is_foreign else ())

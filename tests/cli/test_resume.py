@@ -65,7 +65,7 @@ def test_what_is_missing_or_changed_is_run_again(
     manifest.write_text(text.replace('"finished": true', '"finished": false'), encoding="utf-8")
     code, _, err = axisrig("run", plan, "-o", "out", "--resume")
     assert (code, _counts(place / "out")) == (1, (1, 2, 0))
-    assert "kept 1 runs, ran 2" in err
+    assert "kept 1 run, ran 2" in err
     assert _content(place / "out") == _content(place / "whole")
     # Nothing to do, and the code is that of all
     monkeypatch.setattr(sys, "argv", ["axisrig", "run", plan, "-o", "out", "--resume"])

@@ -85,7 +85,7 @@ def test_resume_keeps_a_whole_search_and_repeats_a_broken_one(
     shutil.copytree(searched, place, dirs_exist_ok=True)
     plan = _write(place, FOUND)
     whole_bytes = _bytes(place / "out")
-    assert "kept 1 runs, ran 0" in axisrig("run", plan, "-o", "out", "--resume")[2]
+    assert "kept 1 run, ran 0" in axisrig("run", plan, "-o", "out", "--resume")[2]
     assert _bytes(place / "out") == whole_bytes
     table = place / "out" / "cases.csv"
     lines = table.read_text(encoding="utf-8").splitlines(keepends=True)

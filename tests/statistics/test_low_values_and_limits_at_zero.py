@@ -9,10 +9,18 @@ from axisrig.bench.judge.statistics.summary import describe
 from axisrig.bench.statistics.distribution import (
     first_apart,
     grubbs,
+    histogram,
     standardized_coefficients,
     variance_share,
 )
-from axisrig.bench.statistics.estimates import cp, cpk, effects, line
+from axisrig.bench.statistics.estimates import (
+    cp,
+    cpk,
+    effects,
+    line,
+    numbers,
+    standard_deviation,
+)
 from axisrig.kernel.errors import UserError
 
 
@@ -113,3 +121,46 @@ def test_an_effect_goes_from_its_smallest_to_its_largest(
     (found,) = effects([10.0, 2.0, 6.0, 2.0], settings)
     assert found.change.value == pytest.approx(8.0)
     assert (found.low, found.high) in ((1.0, 5.0), ("a", "c"))
+
+
+# Ends of what can be reckoned with
+
+
+@pytest.mark.parametrize("side", [1.0, -1.0])
+def test_values_may_be_so_large_on_both_sides_of_0(side: float) -> None:
+    """1e150, whose square is a number still; the largest amount is named."""
+    numbers([side * 1e150, 0.0], 2)
+    for values in ([side * 1.1e150, 0.0], [0.0, -side * 1e3, side * 1.1e150]):
+        with pytest.raises(UserError, match="a value is too large") as caught:
+            numbers(values, 2)
+        assert caught.value.value == 1.1e150
+
+
+@pytest.mark.parametrize("odd", [math.inf, -math.inf, math.nan])
+def test_the_value_that_is_not_finite_is_named(odd: float) -> None:
+    with pytest.raises(UserError, match="a value is not finite") as caught:
+        numbers([1.0, 2.0, odd, 3.0], 2)
+    assert repr(float(caught.value.value)) == repr(odd)  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize(("apart", "s"), [(0.5e-150, 0.0), (2e-150, math.sqrt(2.0) * 1e-150)])
+def test_differences_below_the_smallest_are_none(apart: float, s: float) -> None:
+    """Of two values s = apart / sqrt(2); the square of 1e-150 is a number still."""
+    assert standard_deviation([0.0, apart]) == pytest.approx(s)
+    assert grubbs([0.0, 0.0, apart]).ratio == (0.0 if s == 0.0 else pytest.approx(1.0, rel=1e-3))
+
+
+@pytest.mark.parametrize(("largest", "bins"), [(160.0, 81), (198.0, 100), (1e6, 100)])
+def test_a_histogram_has_a_hundred_bins_at_most(largest: float, bins: int) -> None:
+    """1001 values with quarters 10 apart: a bin is 20/1001^(1/3) = 1.9993 wide."""
+    values = [0.02 * n for n in range(1000)]
+    found = histogram([*values, largest])
+    assert len(found.counts) == bins
+    assert (found.edges[0], found.edges[-1], sum(found.counts)) == (0.0, largest, 1001)
+
+
+def test_groups_that_take_up_all_but_rounding_have_no_bounds() -> None:
+    """Values within a group differ in their last digits: 1e-8 of a difference of 1e6."""
+    found = variance_share([0.0, 1e-8, 1e6, 1e6 + 1e-8], "aabb")
+    assert (found.value, found.lower, found.upper) == (pytest.approx(1.0),) * 3
+    assert found.lower == found.value == found.upper

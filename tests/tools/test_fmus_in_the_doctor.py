@@ -54,20 +54,21 @@ def test_an_fmu_is_shipped_where_the_one_that_serves_came_with_the_installation(
 def test_what_is_missing_is_counted_and_built_where_that_is_asked_for() -> None:
     found = list(doctor.examine())
     assert about(C) == f"info  {C}: not built; that is done where a run needs it"
-    assert "info  1 FMUs are not built; axisrig doctor --build builds them now" in found
+    assert "info  1 FMU is not built; axisrig doctor --build builds it now" in found
     assert not any(line.startswith(doctor.LACK) and "fmu" in line for line in found)
     assert about(C, is_building=True) == f"ok    {C}: {last(C)}.fmu"
     assert not any("not built" in line for line in doctor.examine(is_building=True))
 
 
 @pytest.mark.usefixtures("three")
-@pytest.mark.parametrize(("there", "missing"), [((), 3), ((B,), 2), ((A, B, C), 0)])
+@pytest.mark.parametrize(("there", "missing"), [((), 3), ((B,), 2), ((A, C), 1), ((A, B, C), 0)])
 def test_all_that_are_missing_are_counted(
     monkeypatch: pytest.MonkeyPatch, there: tuple[str, ...], missing: int
 ) -> None:
     monkeypatch.setattr(doctor, "is_ours", lambda path: path.stem in map(last, there))
     counted = [line for line in doctor.examine() if "doctor --build" in line]
-    begins = [f"info  {missing} FMUs are not built"] if missing else []
+    what = "FMU is" if missing == 1 else "FMUs are"
+    begins = [f"info  {missing} {what} not built"] if missing else []
     assert [line.partition(";")[0] for line in counted] == begins
 
 

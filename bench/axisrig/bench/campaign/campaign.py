@@ -400,7 +400,8 @@ def show_campaign(campaign: Campaign, talk: Talk = Talk.SHORT) -> None:
     for line in campaign.altered:
         print(f"{line}; it was run again", file=sys.stderr)
     if campaign.kept:
-        print(f"kept {len(campaign.kept)} runs, ran {len(campaign.results)}", file=sys.stderr)
+        kept = counted(len(campaign.kept), 0)
+        print(f"kept {kept}, ran {len(campaign.results)}", file=sys.stderr)
     if campaign.results:
         show_verdicts(campaign.results, talk)
     if campaign.failure is not None:

@@ -79,5 +79,8 @@ def _known(words: list[str]) -> str:
     if len(words) != 1:
         raise UserError("`params known` takes one list")
     text, count = known_text(Path(words[0]))
-    print(f"{count} lines are comments now: they act on nothing here", file=sys.stderr)
+    what, they = (
+        ("line is a comment", "it acts") if count == 1 else ("lines are comments", "they act")
+    )
+    print(f"{count} {what} now: {they} on nothing here", file=sys.stderr)
     return text.removesuffix("\n")

@@ -66,7 +66,8 @@ def _models(*, is_building: bool) -> Iterator[str]:
         except BuildError as error:
             yield f"{LACK}{model}: {error}"
     if missing:
-        yield f"info  {missing} FMUs are not built; axisrig doctor --build builds them now"
+        what, them = ("FMU is", "it") if missing == 1 else ("FMUs are", "them")
+        yield f"info  {missing} {what} not built; axisrig doctor --build builds {them} now"
 
 
 def _interfaces() -> list[str]:

@@ -196,7 +196,7 @@ def _write(target: Path, files: Mapping[str, bytes]) -> None:
 
 def _in_words(settings: Settings, parts: Sequence[Part], target: Path) -> list[str]:
     """Say what the package holds, and which settings of the rig it does not hold."""
-    lines = [f"{target}: {len(parts)} FMUs"]
+    lines = [f"{target}: {len(parts)} FMU{'' if len(parts) == 1 else 's'}"]
     for part in parts:
         what = part.model or f"joined from {', '.join(part.plants)}"
         lines.append(f"{part.name}: {what}")

@@ -178,7 +178,7 @@ class Tally:
     def table(self) -> str:
         """Write the counts and every defect with what makes it again."""
         total = sum(self.counts.values())
-        lines = [f"{total} scenarios"]
+        lines = [f"{total} scenario{'' if total == 1 else 's'}"]
         lines += [f"  {count:>6}  {name}" for name, count in sorted(self.counts.items())]
         lines += ["faults of each kind"]
         lines += [f"  {count:>6}  {name}" for name, count in sorted(self.kinds.items())]
