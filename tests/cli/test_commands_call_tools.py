@@ -107,8 +107,9 @@ def test_readings_are_of_a_rig_with_its_changes(
 def test_sources_are_of_the_results_of_a_folder(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    monkeypatch.setattr("axisrig.bench.campaign.results.stored.read_results", lambda at: [at])
+    # The last one: what is imported for the others has its own
     monkeypatch.setattr("axisrig.results.sources.sources_table", lambda found: f"| {found} |\n")
+    monkeypatch.setattr("axisrig.bench.campaign.results.stored.read_results", lambda at: [at])
     data_commands.sources(Path("out"))
     assert capsys.readouterr().out == f"| {[Path('out')]} |\n"
 
@@ -123,9 +124,10 @@ def test_a_plan_is_expanded_with_its_changes_after_its_inputs_were_checked(
         return "changed"
 
     plan = SimpleNamespace(with_inputs=with_inputs)
+    # The first one: it is imported with what reads plans as it is
+    monkeypatch.setattr("axisrig.bench.campaign.checking.check_inputs", steps.append)
     monkeypatch.setattr("axisrig.bench.plan.plan.read_plan", lambda _: plan)
     monkeypatch.setattr("axisrig.bench.plan.plan.selected", lambda of, by: f"{by} of {of}")
-    monkeypatch.setattr("axisrig.bench.campaign.checking.check_inputs", steps.append)
     monkeypatch.setattr("axisrig.bench.plan.expanded.expanded_text", lambda of: f"<{of}>")
     list_commands.expand(Path("p.csv"), "a and b", ["plc:V.E.A=1"])
     assert capsys.readouterr().out == "<a and b of changed>"

@@ -119,12 +119,13 @@ def test_a_comparison_ends_with_1_where_something_got_worse(
         runs = [SimpleNamespace(altered=folder.name == "b", run="p-a", altered_words="altered")]
         return SimpleNamespace(folder=folder, runs=runs)
 
-    monkeypatch.setattr(f"{CAMPAIGN}.results.stored.read_results", read)
     pairs = SimpleNamespace(pairs="pairs", worse=lambda: is_worse)
     compared = spy(f"{RESULTS}.compare.pairs.compare", pairs)
     changed = spy(f"{RESULTS}.compare.changes.changes", "changed")
     words = spy(f"{RESULTS}.compare.words.diff_lines", ["one", "two"])
     page = spy(f"{RESULTS}.compare.page.write_diff")
+    # The last one: what is imported for the others has its own
+    monkeypatch.setattr(f"{CAMPAIGN}.results.stored.read_results", read)
     assert call("diff", "a", "b") == code
     assert [one.folder for one in compared["words"]] == [Path("a"), Path("b")]
     assert [*changed["words"]] == [*compared["words"], "pairs"]
@@ -140,10 +141,10 @@ def test_a_comparison_ends_with_1_where_something_got_worse(
 def test_a_trend_follows_a_metric_of_a_case_in_the_order_of_the_folders(
     spy: Spy, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    monkeypatch.setattr(f"{CAMPAIGN}.results.stored.read_results", lambda folder: folder.name)
     followed = spy(f"{RESULTS}.compare.trend.trend", "found")
     spy(f"{RESULTS}.compare.words.trend_lines", ["line"])
     page = spy(f"{RESULTS}.compare.page.write_trend", Path("t.html"))
+    monkeypatch.setattr(f"{CAMPAIGN}.results.stored.read_results", lambda folder: folder.name)
     assert call("trend", "c", "a", "b", "--metric", "m:Z", "--case", "p-x") == 0
     assert followed["words"] == (["c", "a", "b"], "m:Z", "p-x")
     assert (capsys.readouterr().out, page) == ("line\n", {})

@@ -127,12 +127,13 @@ def test_a_comparison_names_what_was_altered_in_either_folder(
 ) -> None:
     """What has changed alone ends with 0; the page has the folders in the order of the call."""
     pages: list[Any] = []
-    monkeypatch.setattr(f"{CAMPAIGN}.results.stored.read_results", folder_of)
     found = SimpleNamespace(pairs="pairs", worse=lambda: False)
     monkeypatch.setattr(f"{RESULTS}.compare.pairs.compare", lambda *_: found)
     monkeypatch.setattr(f"{RESULTS}.compare.changes.changes", lambda *_: ["a change"])
     monkeypatch.setattr(f"{RESULTS}.compare.words.diff_lines", lambda *_: ["line"])
     monkeypatch.setattr(f"{RESULTS}.compare.page.write_diff", lambda *words: pages.append(words))
+    # The last one: what is imported for the others has its own
+    monkeypatch.setattr(f"{CAMPAIGN}.results.stored.read_results", folder_of)
     before, after = map(Path, folders.split())
     assert code_of(lambda: data_commands.diff(before, after, Path("d.html"))) == 0
     out, err = capsys.readouterr()
@@ -146,10 +147,10 @@ def test_a_comparison_names_what_was_altered_in_either_folder(
 def test_the_page_of_a_trend_is_named_behind_its_lines(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    monkeypatch.setattr(f"{CAMPAIGN}.results.stored.read_results", lambda folder: folder)
     monkeypatch.setattr(f"{RESULTS}.compare.trend.trend", lambda *_: "found")
     monkeypatch.setattr(f"{RESULTS}.compare.words.trend_lines", lambda _: ["one", "two"])
     monkeypatch.setattr(f"{RESULTS}.compare.page.write_trend", lambda path, _: path)
+    monkeypatch.setattr(f"{CAMPAIGN}.results.stored.read_results", lambda folder: folder)
     data_commands.trend([Path("a")], "m", None, Path("t.html"))
     assert capsys.readouterr().out == "one\ntwo\nt.html\n"
 

@@ -160,7 +160,9 @@ def test_a_histogram_has_a_hundred_bins_at_most(largest: float, bins: int) -> No
 
 
 def test_groups_that_take_up_all_but_rounding_have_no_bounds() -> None:
-    """Values within a group differ in their last digits: 1e-8 of a difference of 1e6."""
-    found = variance_share([0.0, 1e-8, 1e6, 1e6 + 1e-8], "aabb")
-    assert (found.value, found.lower, found.upper) == (pytest.approx(1.0),) * 3
+    """Two groups 1 apart, their values 3e-7: the share is 1 - 9e-14 without a bound below it."""
+    found = variance_share([0.0, 3e-7, 1.0, 1.0 + 3e-7], "aabb")
+    assert 1e-14 < 1.0 - found.value < 1e-12
     assert found.lower == found.value == found.upper
+    wider = variance_share([0.0, 3e-6, 1.0, 1.0 + 3e-6], "aabb")
+    assert wider.lower < wider.value < 1.0
