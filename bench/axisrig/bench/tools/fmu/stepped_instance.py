@@ -20,6 +20,7 @@ _REALS = ("Real", "Float64", "Float32")
 # Inputs move by this share of their start value, or of 1, so that outputs have something to follow
 _MOTION = 1e-3
 _PATTERN = (0.0, 1.0, 2.0, 1.0, 0.0, -1.0, -2.0, -1.0)
+_DRIFT = 1e-3  # of _MOTION in a step
 FLAG_AFTER_STEPS = 10
 
 
@@ -55,6 +56,7 @@ def readable_outputs(description: ModelDescription) -> list[ModelVariable]:
 class Trial:
     """An instance of an FMU. moves: whether its inputs are moved from step to step.
 
+    drifts: they go on a little besides, so that no two steps have the same value.
     Raises UserError when it cannot be loaded, PlantError once it runs.
     """
 
@@ -63,6 +65,7 @@ class Trial:
         self.outputs = readable_outputs(self.slave.description)
         self._inputs = movable_inputs(self.slave.description)
         self._moves = moves
+        self.drifts = False
         self.count = 0
 
     def start(self) -> None:
@@ -111,7 +114,8 @@ class Trial:
         return readings
 
     def _move_inputs(self) -> None:
-        for variable, value in _moved_inputs(self._inputs, self.count):
+        drift = _DRIFT * self.count if self.drifts else 0.0
+        for variable, value in _moved_inputs(self._inputs, self.count, drift):
             setter = getattr(self.slave.fmpy, f"set{variable.type}")
             setter([variable.valueReference], [value])
 
@@ -134,12 +138,12 @@ def movable_inputs(description: ModelDescription) -> list[ModelVariable]:
 
 
 def _moved_inputs(
-    inputs: Sequence[ModelVariable], count: int
+    inputs: Sequence[ModelVariable], count: int, drift: float = 0.0
 ) -> Iterator[tuple[ModelVariable, float | bool]]:
     for variable in inputs:
         if variable.type in _REALS:
             start = float(variable.start or 0.0)
-            swing = _MOTION * max(1.0, abs(start)) * _PATTERN[count % len(_PATTERN)]
+            swing = _MOTION * max(1.0, abs(start)) * (_PATTERN[count % len(_PATTERN)] + drift)
             low = float(variable.min) if variable.min is not None else -math.inf
             high = float(variable.max) if variable.max is not None else math.inf
             yield variable, min(max(start + swing, low), high)
