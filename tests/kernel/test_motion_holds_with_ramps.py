@@ -1,7 +1,10 @@
 """A feedhold of a path with ramps: which slope brakes, and how the acceleration gets there."""
 
+import math
+
 import pytest
 
+from axisrig.kernel.motion.course import Course, State
 from axisrig.kernel.motion.jerk import JerkSlope
 from axisrig.kernel.motion.jerk_ramps import Shape
 
@@ -73,3 +76,53 @@ def test_a_hold_ends_a_falling_ramp_no_later_than_it_would_have_ended(shape: Sha
         assert held.at(dt)[1] == pytest.approx(course.at(falls_s + dt)[1], abs=1e-9)
     assert held.at(0.02)[1] == pytest.approx(FEED_MM_S, abs=1e-9)
     assert held.state(0.021).a_mm_s2 < 0.0
+
+
+def moves_as_its_speed(path: Course, shape: Shape, looks: int = 400) -> None:
+    """The way between two instants is the mean of their speeds, but for the bow of a ramp."""
+    dt = path.duration_s / looks
+    for k in range(looks):
+        (before_mm, slow), (after_mm, fast) = path.at(k * dt), path.at((k + 1) * dt)
+        steepest_mm_s3 = 1000.0 / 0.02 * (math.pi / 2.0 if shape is Shape.SIN2 else 1.0)
+        bow_mm = steepest_mm_s3 * dt**3
+        assert after_mm - before_mm == pytest.approx(0.5 * (slow + fast) * dt, abs=bow_mm + 1e-9)
+
+
+@pytest.mark.parametrize("shape", Shape)
+@pytest.mark.parametrize("share", [0.1, 0.5, 0.9])
+@pytest.mark.parametrize("weaker", [1.0, 0.1])
+def test_a_hold_changes_nothing_where_the_path_can_stop_no_sooner(
+    shape: Shape, share: float, weaker: float
+) -> None:
+    """In the fall before the last braking of a short path: it brakes as it would have anyway."""
+    slope = JerkSlope(1000.0, 0.04, 0.04, shape)
+    course = slope.plan(2.0, 500.0, slope)
+    fall = next(phase for phase in course.phases if phase.end_mm_s2 < phase.start_mm_s2)
+    assert fall.end_mm_s2 == 0.0
+    at_s = fall.start_s + share * (fall.end_s - fall.start_s)
+    held = course.held(at_s, JerkSlope(1000.0 * weaker, 0.04, 0.04, shape), slope)
+    for dt in (0.0, 0.002, 0.01, 0.02, 0.04):
+        place_mm, speed_mm_s = course.at(at_s + dt)
+        assert held.at(dt) == (
+            pytest.approx(place_mm, abs=1e-6), pytest.approx(speed_mm_s, abs=1e-3)
+        )  # fmt: skip
+    assert held.end_mm == 2.0
+    moves_as_its_speed(held, shape)
+
+
+@pytest.mark.parametrize("more_mm", [1e-5, 1e-4, 3e-4, 6e-4])
+def test_an_end_a_little_after_that_of_a_stop_at_once_is_reached_by_longer_ramps(
+    more_mm: float,
+) -> None:
+    """A deceleration of SIN2 that falls in two ramps, over the feed, would take more way than one.
+
+    The way is that of the speed, and the acceleration goes on from where it is.
+    """
+    up = JerkSlope(50.0, 1e-6, 1e-6, Shape.SIN2)
+    down = JerkSlope(378.0, 0.0625, 0.03125, Shape.SIN2)
+    state = State(2.982547494514615, 2.53467010010328, -192.27860361061187)
+    end_mm = down.stopped(state).end_mm + more_mm
+    path = up.rest(state, end_mm, 1.0, down)
+    moves_as_its_speed(path, Shape.SIN2)
+    assert path.state(0.0).a_mm_s2 == pytest.approx(state.a_mm_s2, rel=1e-6)
+    assert path.at(path.duration_s) == (end_mm, 0.0)

@@ -215,3 +215,26 @@ def test_room_leaves_a_share_of_what_is_free_at_constant_speed(shape: Shape, spe
         least_mm = (way_mm - 0.02 * steady_mm) / 0.98
         assert Stroke(stop, least_mm * (1.0 + 1e-9)).has_room(speed, a)
         assert not Stroke(stop, least_mm * (1.0 - 1e-9)).has_room(speed, a)
+
+
+@pytest.mark.parametrize("peak_mm_s", [8.0, 15.0, 30.0, 89.0])
+def test_a_ramp_that_has_begun_goes_on_as_steep_as_it_was_to_whatever_end(
+    peak_mm_s: float,
+) -> None:
+    """40 ms to 800 mm/s²: to less it takes its share of them, from its begin on."""
+    begun = run_up(Shape.SIN2, 0.012).lead_to(peak_mm_s)[0]
+    assert begun.from_mm_s2 == 0.0
+    assert begun.duration_s == pytest.approx(begun.to_mm_s2 / 800.0 * 0.04, rel=1e-9)
+    now = 800.0 * math.sin(0.5 * math.pi * 0.012 / 0.04) ** 2
+    assert acceleration(begun, Shape.SIN2) == pytest.approx(now, rel=1e-6)
+
+
+@pytest.mark.parametrize("shape", Shape)
+def test_a_run_up_has_its_whole_acceleration_as_long_as_the_stroke_leaves_room(
+    shape: Shape,
+) -> None:
+    """85 mm/s are 50 of the ramps and 35 ms at 1000 mm/s²; the stroke takes some of the end."""
+    held = [ramp for ramp in run_up(shape, 0.0).lead_to(89.0) if ramp.to_mm_s2 == ramp.from_mm_s2]
+    longest = max(held, key=lambda ramp: ramp.from_mm_s2 * ramp.duration_s)
+    assert longest.from_mm_s2 == 1000.0
+    assert 0.01 < longest.duration_s < 0.035
