@@ -5,12 +5,15 @@ CiA 306-1: PDOMapping = 1. Without an EDS the profile of the rig says which ones
 
 from collections.abc import Callable
 from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
 
 import pytest
 from tests.eds_changes import changed, without
 
 from axisrig.bench.drive.cia402.dictionary.eds import eds_text
 from axisrig.bench.drive.cia402.dictionary.profile import DriveProfile
+from axisrig.bench.rig.canopen import schedule
 from axisrig.bench.rig.canopen.schedule import (
     axis_telegrams,
     has_inputs,
@@ -69,3 +72,28 @@ def test_a_touch_probe_is_there_without_being_mapped(with_eds: WithEds, state: s
     """SDO reaches 60B8 as well."""
     settings = with_eds(with_object("60B8", state))
     assert has_touch_probe(settings, "Z") is (state != MISSING)
+
+
+@pytest.mark.parametrize(
+    ("is_there", "mappable", "has"),
+    [(True, True, True), (True, False, False), (True, None, False), (False, None, False)],
+)
+def test_an_object_of_an_eds_counts_where_it_may_be_mapped(
+    monkeypatch: pytest.MonkeyPatch, is_there: bool, mappable: bool | None, has: bool
+) -> None:
+    """PDOMapping = 0, or nothing of it, keeps it out of every telegram (CiA 306-1)."""
+    asked: list[tuple[int, int]] = []
+
+    def variable(_od: object, index: int, sub: int) -> Any:
+        asked.append((index, sub))
+        return SimpleNamespace(pdo_mappable=mappable) if is_there else None
+
+    drive = SimpleNamespace(eds="own.eds", make=lambda: "profile")
+    monkeypatch.setattr(schedule, "drive_of", lambda *_: drive)
+    monkeypatch.setattr(schedule, "drive_dictionary", lambda *words: words)
+    monkeypatch.setattr(schedule, "variable", variable)
+    rig = SimpleNamespace(axis={"Z": SimpleNamespace(node_id=3)})
+    settings: Any = SimpleNamespace(rig=rig)
+    assert has_inputs(settings, "Z") is has
+    assert has_touch_probe(settings, "Z") is is_there  # it is read by SDO alone
+    assert asked == [(0x60FD, 0), (0x60B8, 0)]

@@ -402,3 +402,14 @@ def test_fine_bits_of_each_position_are_those_that_the_drive_has_for_it(
         f"axis Z: its drive has other fine bits ({key} of the rig): positions wrong by a factor of"
         f" {factor} (P-AXIS-{number}); found {value}; allowed: {allowed}"
     ) in found
+
+
+@pytest.mark.parametrize(
+    ("key", "value", "own"),
+    [("clock_offset_ns", "5", "clock_start_us"), ("clock_drift_ppm", "-5.0", "drift_ppm")],
+)
+def test_a_clock_of_a_terminal_on_a_line_is_set_where_that_of_each_slave_is(
+    check: Check, key: str, value: str, own: str
+) -> None:
+    found = check("plc-timestamp-line", text=f"[plc]\n{key} = {value}")
+    assert f"found {value}; [segment.ec1] {own} = {{ terminal = ... }}" in found

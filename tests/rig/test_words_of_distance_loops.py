@@ -11,6 +11,7 @@ from typing import Any
 import pytest
 
 from axisrig.bench.oracles.distance.lists import CHANNEL
+from axisrig.bench.oracles.distance.loop import CONST_DIST
 from axisrig.bench.rig.distance.check import drive_lags_s
 from axisrig.bench.rig.distance.loops import (
     control_lines,
@@ -20,7 +21,9 @@ from axisrig.bench.rig.distance.loops import (
     dead_words,
     is_beyond,
     law_words,
+    limits_words,
     listed_for,
+    loop_of,
     silence_line,
 )
 from axisrig.bench.rig.distance.sensors import Sensor, sensors_of
@@ -189,3 +192,19 @@ def test_a_drive_lags_by_what_its_gain_and_its_feed_forward_leave(
     found = drive_lags_s(settings, plant)
     assert found.pop("X") == pytest.approx(0.005)
     assert found == ({} if lag_s is None else {"Z": pytest.approx(lag_s)})
+
+
+@pytest.mark.parametrize(
+    ("age", "cycles", "past"), [(-1, "2.5", "0.025"), (0, "3.5", "0.035"), (2, "5.5", "0.055")]
+)
+def test_a_step_goes_past_by_all_that_its_sensor_is_late(
+    rig_above: Read, age: int, cycles: str, past: str
+) -> None:
+    """v_max T (n + delay of the filter): 10 mm/s, 1 ms, n = 2 and the age, 1.5 of the filter."""
+    values = {"kp": 0.3, "a_max": 100, "v_max": 10000}
+    changes = [f"set:Z.{OLDER}{key}={value}" for key, value in values.items()]
+    settings = rig_above("distance-z.toml", "", *changes)
+    sensor = replace(sensor_of(settings), age=age)
+    listed = listed_for(settings, "Z")
+    words = limits_words(listed, 1000, loop_of(settings, "Z", sensor, CONST_DIST))
+    assert f"by {past} mm in CONST_DIST, whose error is {cycles} cycles old" in words

@@ -7,6 +7,7 @@ import pytest
 
 from axisrig.bench.oracles.distance.lists import CHANNEL
 from axisrig.bench.oracles.distance.loop import CONST_DIST, SET_POS
+from axisrig.bench.rig.distance import sensors
 from axisrig.bench.rig.distance.channel import channel_warnings, describe_channel, largest_tilt_deg
 from axisrig.bench.rig.distance.check import describe_distance, distance_warnings
 from axisrig.bench.rig.distance.loops import clamp_words, kp_lines, listed_for, unstable
@@ -264,3 +265,16 @@ def test_a_speed_at_what_the_acceleration_brakes_in_time_does_not_ring(
     assert "a_max T/kp = 2.5 mm/s" in found
     assert ("they may make it ring" in found) is rings
     assert ("the law brakes in time" in found) is not rings
+
+
+@pytest.mark.parametrize(
+    ("late", "fresh", "age"), [(0, 0, 2), (1, 0, 1), (1, 1, 2), (3, 1, 0), (4, 0, -2)]
+)
+def test_a_variable_is_as_old_as_the_plc_makes_it_against_what_6064_is_late(
+    rig_above: Read, monkeypatch: pytest.MonkeyPatch, late: int, fresh: int, age: int
+) -> None:
+    """It comes 2 cycles late from the PLC, which reads at the last SYNC what is `fresh` old."""
+    monkeypatch.setattr(sensors, "late_of", lambda *_: (late, fresh))
+    *_, found = sensors_of(rig_above("distance-z-variable-late.toml"), "Z")
+    assert found.words == "gap in V.E.SENSOR"
+    assert (found.age, found.late) == (age, late)
