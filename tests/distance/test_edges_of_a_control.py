@@ -227,3 +227,39 @@ def test_an_offset_beyond_its_limit_is_named_with_its_sign(wanted_mm: float) -> 
 def test_a_silence_is_named_in_parts_of_a_ms() -> None:
     alarm = Silence("SECOND_ENCODER", 3.25, 2.5).alarm("axis Z", DistanceSettings())
     assert (alarm.values["age_ms"], alarm.values["limit_ms"]) == ("3.25", "2.5")
+
+
+def test_a_filter_that_a_program_chooses_is_of_its_own_kind(make_loop: Make) -> None:
+    """From a mean of 4 to an exponential one of 2 with half of the newest: (2 s + s before) / 3."""
+    loop = make_loop(lambda k: 3.0 * (k >= 6), kp=0.0, n_cycles=4)
+    loop.control.set_surface(0.0)
+    loop.say(ON).run(5)
+    loop.control.program(filter_type="EXPO_MEAN", n_cycles=2, smoothing_factor=0.5)
+    loop.run(2)
+    assert loop.control.filtered_mm == pytest.approx(2.0)  # weights 1/2 and 1/4 of 3/4
+    loop.run(1)
+    assert loop.control.filtered_mm == pytest.approx(3.0)
+
+
+def test_what_is_asked_for_of_a_filter_is_found_by_its_name(make_loop: Make) -> None:
+    control = make_loop().control
+    assert control.requested("filter_type") is None
+    control.request("filter_type", "LOWPASS")
+    control.request("n_cycles", 7)
+    assert (control.requested("filter_type"), control.requested("n_cycles")) == ("LOWPASS", 7)
+
+
+@pytest.mark.parametrize("override", [0.25, 0.5, 1.0])
+def test_an_override_leaves_the_acceleration_of_a_run_out(make_loop: Make, override: float) -> None:
+    """1 mm at 1000 mm/s² is over before v_max, whatever share of it acts: 2 sqrt(s/a) = 63 ms."""
+    loop = make_loop(lambda _k: 1.0, kp=0.5)
+    loop.control.set_surface(0.0)
+    loop.say(ON).run(30).say(FREEZE)
+    loop.control.program(a_max_mm_s2=1000.0, v_max_mm_s=400.0)
+    loop.override = override
+    loop.say(OFF)
+    steps = 0
+    while loop.control.state is DistanceState.TURNING_OFF:
+        loop.run(1)
+        steps += 1
+    assert steps == pytest.approx(63.2, abs=2)

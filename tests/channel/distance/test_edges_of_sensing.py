@@ -3,8 +3,10 @@
 from typing import Any
 
 import pytest
+from tests.channel.distance.conftest import command
 from tests.channel.distance.test_offsets_by_hand import Controls, channel_control, stepped
 from tests.channel.distance.test_sensing_by_hand import Bench, alarm_of
+from tests.channel.program_by_hand import Program
 
 from axisrig.kernel.channel import distance_controls
 from axisrig.kernel.channel.distance.axis import AxisDistance
@@ -208,3 +210,62 @@ def test_an_axis_that_is_waited_for_is_not_shown_as_the_wait_of_3d_control(
         made.controls.diagnosis()
     assert shown == [False, False, True, True]
     assert Controls(stepped()).controls.diagnosis() == ()
+
+
+def test_each_axis_is_shown_in_its_own_unit() -> None:
+    own, shown = stepped(), []
+    own.show = shown.append
+    made = Controls(own)
+    made.controls.step()
+    assert shown == [made.plc.axis["Z"].distance.state_r]
+    assert shown[0] is made.plc.axis["Z"].distance.state_r
+    assert shown[0] is not made.plc.axis["X"].distance.state_r
+
+
+@pytest.mark.parametrize("act", ["on", "off", "freeze", "ref", "check"])
+def test_3d_control_that_is_not_released_is_refused_with_the_newer_id(act: str) -> None:
+    """No older structure has it (P-CHAN-00500)."""
+    made = Controls(stepped())
+    refused = alarm_of(Program(made.controls).say, command(act, axis=None))  # type: ignore[arg-type]
+    assert (refused.id, refused.values["owner"]) == (310015, "the channel")
+
+
+@pytest.mark.parametrize("end", ["leave", "program", "error"])
+def test_what_a_control_that_is_off_leaves_on_its_axes_is_named_with_all_of_them(end: str) -> None:
+    """900560, with the offset as it was, and each axis with its slaves takes its own part."""
+    channel = channel_control(has_offset=True, is_idle=False, may_move=lambda _axes: False)
+    channel.control.offset_mm = 20.5
+
+    def hand_over() -> dict[str, float]:
+        channel.control.offset_mm = 0.0
+        channel.has_offset = False
+        return {"Y": 10.0, "Z": 20.0}
+
+    channel.hand_over, channel.end_program = hand_over, lambda: None
+    made = Controls(None, channel, slaves={"X": "Z"})
+    warned: list[Alarm] = []
+    made.controls._warn = warned.append
+    if end == "leave":
+        made.controls.leave()
+    elif end == "program":
+        made.controls.end_program("N10")
+    else:
+        made.controls.end_by_error()
+    assert made.taken == [("Y", 10.0), ("Z", 20.0), ("X", 20.0)]
+    (warning,) = warned
+    assert (warning.id, warning.values["offset_mm"]) == (900560, "20.500")
+    assert (warning.values["axes"], warning.values["owner"]) == ("Y Z", "the channel")
+    made.controls.leave()
+    assert len(made.taken) == 3
+
+
+def test_off_without_a_motion_gives_every_axis_its_own_part() -> None:
+    channel = channel_control(
+        choose=lambda *_words: None, plan=lambda *_words: None, parameters=dict, is_idle=True,
+        age_warning=lambda: None, hand_over=lambda: {"Y": 10.0, "Z": 20.0},
+    )  # fmt: skip
+    channel.control.command = lambda *_any, **_more: None
+    made = Controls(None, channel)
+    found: Any = made.controls
+    found._command_channel(channel, OFF, no_move=True, dry_run=False)
+    assert made.taken == [("Y", 10.0), ("Z", 20.0)]

@@ -6,6 +6,8 @@ import pytest
 from tests.measuring.fixed_stop.conftest import MS, Axis, Stage
 
 from axisrig.kernel.errors import Alarm
+from axisrig.kernel.measuring.fixed_stop.detector import StopDetector
+from axisrig.kernel.measuring.fixed_stop.record import Criteria
 from axisrig.kernel.measuring.fixed_stop.settings import FixedStopSettings
 
 Make = Callable[..., Stage]
@@ -62,3 +64,12 @@ def test_a_window_that_holds_outside_of_the_exact_stop_is_not_named_as_standstil
     words = str(missed.value.values["criteria"])
     assert "largest lag 0.5000 mm" in words
     assert "standstill" not in words
+
+
+@pytest.mark.parametrize(("time_us", "holds"), [(2000, True), (2500, False), (3000, False)])
+def test_a_window_of_no_whole_number_of_cycles_is_rounded_up(time_us: int, holds: bool) -> None:
+    """0.04 mm in a cycle of 1 ms: 0.08 in two are inside of 0.1 mm, 0.12 in three are not."""
+    detector = StopDetector(Criteria(None, 0.1, time_us * 1000))
+    for cycle in range(10):
+        detector.take(cycle * MS, 0.0, 0.04 * cycle, is_armed=True)
+    assert (detector.window_ns is not None) is holds
