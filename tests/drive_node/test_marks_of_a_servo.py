@@ -3,7 +3,7 @@
 from typing import Any
 
 import pytest
-from tests.drive_node.servo_alone import PER_M, ServoAlone
+from tests.drive_node.servo_alone import LIMITED, PER_M, ServoAlone
 
 from axisrig.bench.drive.axis.drive import NO_TICK
 from axisrig.bench.drive.cia402.dictionary.profile import DriveProfile
@@ -93,3 +93,56 @@ def test_power_lifts_the_torque_limit_of_a_homing_that_presses(fake_axis: Any, m
     assert axis.limits[-1] == pytest.approx((pressing_n, pressing_n))
     one.servo.reset(one.now_ns)
     assert min(axis.limits[-1]) > 10 * profile.rated_force_n  # 6072: FFFF per mille
+
+
+@pytest.mark.parametrize(
+    ("habit", "in_homing", "before_word", "after_word"),
+    [("independent", 1, 1, 1), ("off", 0, 0, 1), ("clears", 0, 0, 1), ("probe_1_off", 0, 0, 1)],
+)
+def test_a_probe_that_homing_has_switched_off_is_armed_by_a_new_word_after_it(
+    fake_axis: Any, fake_signal: Any, habit: Any, in_homing: int, before_word: int, after_word: int
+) -> None:
+    """60B9 bit 0: while the axis presses, after homing was broken off, after 60B8 was written."""
+    axis = fake_axis()
+    profile = DriveProfile(homing=habit, input_delay_ns=0)
+    one = ServoAlone(
+        axis, 6, profile=profile, signals=(fake_signal(axis, (30 * MS,)), None), homing_method=-3
+    )
+    one.cycle(probe_function=0x11)
+    assert one.image.probe_status & 1 == 1
+    one.cycle(controlword=0x1F)
+    assert one.image.probe_status & 1 == in_homing
+    one.cycle(controlword=0x0F)
+    one.cycle()
+    assert one.image.probe_status & 1 == before_word
+    one.cycle(probe_function=0)
+    one.cycle(probe_function=0x11)
+    assert one.image.probe_status & 1 == after_word
+    one.run_ms(30)
+    one.cycle()
+    assert one.image.probe_status & 3 == 3  # the edge at 30 ms is latched
+
+
+@pytest.mark.parametrize(("sign", "end_mm"), [(1, 2.0), (-1, -1.0)])
+@pytest.mark.parametrize("profile_type", [0, 3])
+def test_a_profile_velocity_ends_at_the_software_limit_of_its_direction(
+    fake_axis: Any, sign: int, end_mm: float, profile_type: int
+) -> None:
+    """607D: the ramp of 10 m/s2 stops there; back it goes freely, and stops at the other end."""
+    per_mm = PER_M / 1000
+    one = ServoAlone(
+        fake_axis(), 3, profile_type=profile_type, software_limit_min=-per_mm,
+        software_limit_max=2 * per_mm, profile_acceleration=10 * PER_M,
+        profile_deceleration=10 * PER_M, target_velocity=sign * 0.1 * PER_M,
+    )  # fmt: skip
+    increment_mm = 1 / per_mm
+    one.run_ms(80)
+    assert one.axis.motor_position_m() * 1000 == pytest.approx(end_mm, abs=increment_mm)
+    assert one.cycle() & LIMITED
+    one.write(target_velocity=-sign * 0.1 * PER_M)
+    one.run_ms(10)
+    assert -1.0 < one.axis.motor_position_m() * 1000 < 2.0
+    assert not one.cycle() & LIMITED
+    one.run_ms(100)
+    other_mm = 1.0 - end_mm
+    assert one.axis.motor_position_m() * 1000 == pytest.approx(other_mm, abs=increment_mm)

@@ -77,8 +77,14 @@ PASSED = {
 }
 
 
-@pytest.mark.long
-@pytest.mark.parametrize("name", PASSED)
+QUICK = ("20 off the switch", "25 off the cam", "24 onto the cam", "26 beside the cam",
+         "18 off its limit")  # fmt: skip
+"""One of each kind; the others are their mirror images."""
+
+
+@pytest.mark.parametrize(
+    "name", [pytest.param(n, marks=() if n in QUICK else pytest.mark.long) for n in PASSED]
+)
 def test_an_edge_that_was_passed_while_braking_is_approached_anew(name: str) -> None:
     method, start_mm, at_mm, direction, home_mm = PASSED[name]
     bench = gentle(bench_for(method, start_mm))
@@ -104,14 +110,13 @@ def test_homing_that_rests_before_the_edge_goes_on_to_it(
     assert found_mm(bench) == pytest.approx(home_mm, abs=LATE)
 
 
-@pytest.mark.long
 @pytest.mark.parametrize(
     ("method", "start_mm", "at_mm", "direction", "home_mm"),
     [
         (8, 12.3, 12.4, 1, 12.5),  # marks at 2.5, 12.5 and 22.5 mm
-        (7, 12.3, 2.6, -1, 2.5),
-        (2, 60.1, 52.6, -1, 52.5),
-        (1, -50.1, -47.6, 1, -47.5),
+        pytest.param(7, 12.3, 2.6, -1, 2.5, marks=pytest.mark.long),
+        pytest.param(2, 60.1, 52.6, -1, 52.5, marks=pytest.mark.long),
+        pytest.param(1, -50.1, -47.6, 1, -47.5, marks=pytest.mark.long),
     ],
 )
 def test_a_zero_pulse_that_was_passed_while_braking_is_still_the_one(
