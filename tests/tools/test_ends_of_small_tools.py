@@ -13,7 +13,7 @@ from axisrig.bench.tools.distance.readings import LIST, Shown, _asked, _at_rest,
 from axisrig.bench.tools.listings.alarms import _alike, alarm_listing
 from axisrig.bench.tools.params.effective import difference_text
 from axisrig.bench.tools.probe_feed import Question, probe_feed_text
-from axisrig.bench.tools.rig_export import parts
+from axisrig.bench.tools.rig_export import package, parts
 from axisrig.kernel.errors import UserError, catalogue, reaction_classes
 from axisrig.kernel.time.clock import MS
 
@@ -247,3 +247,18 @@ def test_an_own_model_is_rotary_by_the_unit_of_its_position(
     assert parts._is_rotary(own) is is_rotary
     library: Any = SimpleNamespace(fmu="AxisRig.Drives.ServoAxis")
     assert not parts._is_rotary(library)
+
+
+@pytest.mark.parametrize(("count", "words"), [(1, "1 FMU"), (2, "2 FMUs"), (0, "0 FMUs")])
+def test_a_package_says_how_many_it_has(
+    monkeypatch: pytest.MonkeyPatch, count: int, words: str
+) -> None:
+    monkeypatch.setattr(package, "simulated_plants", lambda _: {})
+    made: Any = [
+        SimpleNamespace(name=f"p{n}", model=None if n else "Own", plants=("a", "b"))
+        for n in range(count)
+    ]
+    settings, target = SimpleNamespace(), "rig.ssp"
+    lines = package._in_words(settings, made, target)  # type: ignore[arg-type]
+    assert lines[0] == f"rig.ssp: {words}"
+    assert lines[1:-1] == ["p0: Own", "p1: joined from a, b"][:count]
