@@ -146,3 +146,43 @@ def test_a_profile_velocity_ends_at_the_software_limit_of_its_direction(
     one.run_ms(100)
     other_mm = 1.0 - end_mm
     assert one.axis.motor_position_m() * 1000 == pytest.approx(other_mm, abs=increment_mm)
+
+
+@pytest.mark.parametrize("sign", [1, -1])
+def test_a_profile_velocity_of_0_stops_where_its_ramp_ends(fake_axis: Any, sign: int) -> None:
+    """Software limits are no target: 0.1 m/s are taken off with 10 m/s2, in 0.5 mm."""
+    per_mm = PER_M / 1000
+    one = ServoAlone(
+        fake_axis(), 3, software_limit_min=-50 * per_mm, software_limit_max=50 * per_mm,
+        profile_acceleration=10 * PER_M, profile_deceleration=10 * PER_M,
+    )  # fmt: skip
+    one.run_ms(20)
+    assert one.axis.motor_position_m() == 0.0
+    one.write(target_velocity=sign * 0.1 * PER_M)
+    one.run_ms(30)
+    begin_m = one.axis.motor_position_m()
+    one.write(target_velocity=0)
+    one.run_ms(40)
+    way_mm = (one.axis.motor_position_m() - begin_m) * 1000
+    tick_mm = 0.1 * 0.25  # until the next tick of 250 us the axis goes on
+    assert sign * way_mm == pytest.approx(0.5 + tick_mm / 2, abs=tick_mm / 2 + 2 / per_mm)
+    assert not one.cycle() & LIMITED
+
+
+@pytest.mark.parametrize("word", [0x1F, 0x0F])
+def test_a_set_point_bit_that_is_there_when_the_mode_comes_gives_none(
+    fake_axis: Any, word: int
+) -> None:
+    """Only the rising edge of bit 4 in mode 1 takes 607A; bit 12 acknowledges it."""
+    one = ServoAlone(fake_axis(), 8)
+    one.cycle(controlword=word)
+    one.cycle(mode=1, target_position=0.001 * PER_M, profile_velocity=0.1 * PER_M)
+    assert one.image.mode_display == 1
+    one.cycle(target_position=0.001 * PER_M)
+    one.run_ms(50)
+    assert one.axis.motor_position_m() == 0.0
+    assert not one.cycle() & 1 << 12
+    one.cycle(controlword=0x0F)
+    assert one.cycle(controlword=0x1F) & 1 << 12
+    one.run_ms(200)
+    assert one.axis.motor_position_m() == pytest.approx(0.001, abs=1 / PER_M)
