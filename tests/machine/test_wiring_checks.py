@@ -77,6 +77,8 @@ def test_what_is_wired_is_of_its_kind(
     with pytest.raises(UserError) as caught:
         check_plants(settings, PLANT)
     assert caught.value.message.startswith(words)
+    of_kind = {"a distance": "gap", "an axis": "z", "a probe": "p, fixed"}
+    assert caught.value.allowed == next(v for k, v in of_kind.items() if f"name {k}" in words)
     assert caught.value.file == str(tmp_path / "r.toml")
     if "plc" not in words and "V.E." not in words:
         monkeypatch.setattr(plants, "outside_axes", lambda _: frozenset({"Z"}))
