@@ -342,3 +342,20 @@ def test_a_note_is_written_once_and_all_of_them_are() -> None:
     assert [note.partition(" has")[0] for note in notes] == ["p-a: m", "p-b: n"]
     assert "<svg" not in text
     assert "<table" not in text
+
+
+@pytest.mark.parametrize(
+    ("words", "shown"),
+    [(("pass", "pass"), "r0"), (("pass", "fail"), "r1"), (("fail", "pass"), "r0"),
+     (("fail", "fail"), "r0"), (("marginal", "inconclusive"), "r1")],
+)  # fmt: skip
+def test_a_cell_of_several_runs_shows_the_first_of_the_worst(
+    words: tuple[str, str], shown: str
+) -> None:
+    runs = [
+        Sample(f"r{n}", ("1", "a"), 1.0 + n, 0.0, (None, None), Verdict.of(word))
+        for n, word in enumerate(words)
+    ]
+    other = Sample("r9", ("2", "b"), 5.0, 0.0, (None, None), Verdict.PASS)
+    text = section(sweep(*runs, other, columns=THREE[:2]))
+    assert re.findall(r'href="#(r\d)"', text) == [shown, "r9"]

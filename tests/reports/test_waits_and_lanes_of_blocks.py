@@ -88,3 +88,18 @@ def test_feedholds_of_a_run_add_up(holds_ms: tuple[tuple[int, int], ...], words:
     assert view["words"] == words
     held_ms = sum(end - begin for begin, end in holds_ms)
     assert view["rows"][0]["held"] == (f"{held_ms}.000" if held_ms else "")
+
+
+def test_a_command_that_has_waited_long_is_a_box_of_its_own(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """It is due at 10 ms and begins at 140 ms: of the whole, 190 ms, that is more than half."""
+    monkeypatch.setattr(blocks, "LANE_MAX", 4)
+    spans = [(0, 0, 10), (10, 140, 150), *((at, at, at + 10) for at in (150, 160, 170, 180))]
+    trace = block_trace([
+        Step(f"N{n} G1", "feed", *span, line=n) for n, span in enumerate(spans, start=1)
+    ])  # fmt: skip
+    lane = blocks_lane(trace, is_reduced=False)
+    assert lane is not None
+    assert [row[6] for row in lane["rows"]] == ["N1 G1", "N2 G1", "4 from N3 G1"]
+    assert [row[1] // MS for row in lane["rows"]] == [0, 10, 150]

@@ -2,11 +2,14 @@
 
 from pathlib import Path
 
+import can
+import pytest
 from tests.recordings import facts
 
 from axisrig.bench.campaign.results.stored import RECORDING
 from axisrig.bench.record.bus import BusFigures
 from axisrig.bench.record.facts import run_text
+from axisrig.results import loading
 from axisrig.results.loading import load
 
 TIMES_US = [*range(0, 2500, 7), 999_999, 1_000_001, 17_123_457, 1_000_000_000_001]
@@ -61,3 +64,26 @@ def test_frames_are_those_of_the_recording_that_a_run_shares(tmp_path: Path) -> 
     (place / "cases.csv").write_text(rows, encoding="utf-8")
     found = load(place)
     assert found.frames("again")["data"].tolist() == found.frames("r")["data"].tolist() == ["01"]
+
+
+def test_an_instant_of_a_log_with_nanoseconds_is_kept(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A log of BLF or pcap has them; as seconds they are floats."""
+    times_ns = [1, 999, 1_000_000_001, 3_600_000_000_123]
+    frames = [can.Message(timestamp=ns / 1e9, arbitration_id=1, channel=0) for ns in times_ns]
+    monkeypatch.setattr(loading, "messages_of", lambda _: iter(frames))
+    found = load(folder_of(tmp_path, [])).frames("r")
+    assert found["time_ns"].tolist() == times_ns
+
+
+@pytest.mark.parametrize(
+    ("channel", "segment"), [(0, "a"), (1, "b"), (2, "2"), (-1, "-1"), ("can7", "can7"), (None, "")]
+)
+def test_a_channel_by_its_number_is_a_segment_of_the_rig(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, channel: object, segment: str
+) -> None:
+    """From 0 in the order of the rig; of two segments a frame without a channel is of neither."""
+    frame = can.Message(timestamp=0.0, arbitration_id=1, channel=channel)
+    monkeypatch.setattr(loading, "messages_of", lambda _: iter([frame]))
+    assert load(folder_of(tmp_path, [])).frames("r")["segment"].tolist() == [segment]

@@ -9,7 +9,7 @@ import pyarrow as pa
 import pytest
 from tests.recordings import Step, block_trace, facts, kept
 
-from axisrig.bench.record.axes import AxisRecord, Latch
+from axisrig.bench.record.axes import AxisRecord, DriveState, Latch
 from axisrig.bench.record.facts import Facts, run_text
 from axisrig.kernel.errors import UserError
 from axisrig.kernel.time.clock import MS
@@ -86,3 +86,20 @@ def test_each_column_of_blocks_with_a_unit_has_its_own(tmp_path: Path) -> None:
         [1 * MS, 2 * MS, 6 * MS]
     ]
     assert np.isnan(blocks["travelled_mm"][0])
+
+
+def test_what_happens_at_one_instant_is_in_the_order_of_the_rig(tmp_path: Path) -> None:
+    """Marks first, then the states of its axes; whatever their names are."""
+    axes = {
+        name: AxisRecord("can1", node, 1000.0, latches=(Latch(2 * MS, 1),),
+                         states=(DriveState(2 * MS, "B"), DriveState(2 * MS, "A"),
+                                 DriveState(MS, "FIRST")))
+        for node, name in enumerate("ZA", start=1)
+    }  # fmt: skip
+    events = results_of(tmp_path, replace(LEFT, axes=axes)).events("r")
+    found = [(row.time_ns // MS, row.kind, row.axis, row.text) for row in events.itertuples()]
+    assert [row for row in found if row[1] == "state"] == [
+        (1, "state", "Z", "FIRST"), (1, "state", "A", "FIRST"), (2, "state", "Z", "B"),
+        (2, "state", "Z", "A"), (2, "state", "A", "B"), (2, "state", "A", "A"),
+    ]  # fmt: skip
+    assert [row[1] for row in found][2:4] == ["latch", "latch"]
