@@ -127,6 +127,7 @@ def test_a_hint_for_a_missing_file_names_what_is_near_it(tmp_path: Path) -> None
         assert near_files(tmp_path, folder) == "it is a folder"
     assert near_files(tmp_path, "rig") == "near it: rigs"
     assert near_files(tmp_path, "none/probe-z.toml") == f"looked in {tmp_path / 'none'}"
+    assert near_files(tmp_path, "") == f"looked in {tmp_path}"  # and not: it is a folder
 
 
 def test_a_path_with_backslashes_is_written_with_slashes(tmp_path: Path) -> None:

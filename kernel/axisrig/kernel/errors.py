@@ -128,7 +128,7 @@ def near_files(folder: Path, text: str) -> str:
         return f"folders are separated by /: {forward}"
     if text and (folder / forward).is_dir():
         return "it is a folder"
-    parent = (folder / forward).parent
+    parent = (folder / forward).parent if forward else folder
     beside = [item.name for item in parent.iterdir()] if parent.is_dir() else []
     close = nearest(Path(forward).name, beside)
     return f"near it: {', '.join(close)}" if close else f"looked in {parent}"
