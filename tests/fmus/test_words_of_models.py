@@ -315,6 +315,9 @@ def test_initial_unknowns_are_what_is_calculated_for_others() -> None:
          ("output", "discrete", "calculated")),
         ("discrete_value", "Int32", {}, True, ("local", "discrete", "calculated")),
         ("algebraic", "Float64", {"fixed": True}, True, ("local", "continuous", "calculated")),
+        # inside a component: only an input of the model itself is one of its FMU
+        ("algebraic", "Float64", {"causality": "input"}, True,
+         ("local", "continuous", "calculated")),
     ],
 )  # fmt: skip
 def test_words_of_fmi_for_a_variable(
