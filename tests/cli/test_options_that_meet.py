@@ -11,6 +11,8 @@ import pandas as pd
 import pytest
 import typer
 
+from axisrig.bench.campaign.checking import plan_of
+from axisrig.bench.campaign.resuming import GoingOn
 from axisrig.bench.cli import (
     data_commands,
     fmu_commands,
@@ -302,3 +304,36 @@ def test_words_that_a_rig_passes_over_have_to_be_words_of_the_language(tmp_path:
     )
     with pytest.raises(UserError, match="#TIMRE"):
         check_file(program, rig)
+
+
+@pytest.mark.parametrize("name", ["p.csv", "p.CSV", "p.xlsx", "p.Ods", "p.PARQUET"])
+def test_a_table_is_a_plan_whatever_its_suffix_is_written_like(name: str, tmp_path: Path) -> None:
+    """One that is not there is refused as a plan; a folder of that name is none."""
+    with pytest.raises(UserError) as caught:
+        plan_of(tmp_path / name)
+    assert caught.value.file == str(tmp_path / name)
+    (tmp_path / name).mkdir()
+    assert plan_of(tmp_path / name) is None
+    assert plan_of(tmp_path / "r.toml") is None
+
+
+@pytest.mark.parametrize(
+    ("resumed", "failed", "fresh", "found"),
+    [
+        (False, False, False, GoingOn.NO), (True, False, False, GoingOn.MISSING),
+        (False, True, False, GoingOn.FAILED), (False, False, True, GoingOn.NO),
+        (True, True, False, "--resume and --failed exclude each other"),
+        (True, False, True, "--fresh removes the results that --resume and --failed keep"),
+        (False, True, True, "--fresh removes the results that --resume and --failed keep"),
+        (True, True, True, "--resume and --failed exclude each other"),
+    ],
+)  # fmt: skip
+def test_ways_to_go_on_exclude_each_other(
+    resumed: bool, failed: bool, fresh: bool, found: GoingOn | str
+) -> None:
+    given = {"is_resumed": resumed, "is_failed": failed, "is_fresh": fresh}
+    if isinstance(found, GoingOn):
+        assert GoingOn.of(**given) is found
+        return
+    with pytest.raises(UserError, match=found):
+        GoingOn.of(**given)

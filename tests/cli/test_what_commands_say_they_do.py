@@ -88,3 +88,30 @@ def test_a_command_says_what_it_does_and_with_what(
 
 def test_beside_the_lines_of_a_program_nothing_moves(line_of: Callable[[str], str]) -> None:
     assert line_of("nc a.nc --rig r.toml") == "running a.nc on r.toml, stands"
+
+
+def test_the_line_of_a_command_is_away_before_the_first_line_is_put_out(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """And it does not come back for the others."""
+    steps: list[str] = []
+
+    class Shown:
+        def __init__(self, text: str, *_: Any, **__: Any) -> None:
+            steps.append(text)
+
+        def inside(self, text: str) -> None: ...
+
+        def tick(self) -> None: ...
+
+        def end(self) -> None:
+            steps.append("away")
+
+    monkeypatch.setattr(waiting, "_clocks", [lambda: 0.0])
+    monkeypatch.setattr(waiting, "Waiting", Shown)
+    monkeypatch.setattr("builtins.print", lambda line, **_: steps.append(line))
+    with waiting.waiting_for_line("making") as put_out:
+        put_out("one")
+        put_out("two")
+    monkeypatch.undo()
+    assert steps == ["making", "away", "one", "two"]
