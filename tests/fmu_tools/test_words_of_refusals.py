@@ -138,15 +138,25 @@ def test_coordinates_are_in_the_order_of_the_description_and_then_of_the_map() -
 
 
 @pytest.mark.parametrize("line", [2, 5])
-def test_a_start_value_that_is_no_number_is_named_by_its_line(line: int) -> None:
+@pytest.mark.parametrize(
+    ("variability", "message"),
+    [("constant", "the start value of x is not a number"),
+     ("parameter", "start of x must not depend on a parameter")],
+)  # fmt: skip
+def test_a_start_value_that_is_no_number_or_moves_is_named_by_its_line(
+    line: int, variability: str, message: str
+) -> None:
     text = "model M\n" * (line - 1) + "  Real x(start = f(1));\nend M;\n"
     begin = text.index("  Real")
+    span = {"source": 1, "start": begin, "end": begin + 9}
     variable = {
         "name": "x", "scalar_names": ["x"], "scalar_count": 1, "value_type": {"scalar": "real"},
-        "declaration": {"span": {"source": 1, "start": begin, "end": begin + 9}},
+        "declaration": {"span": span},
         "attributes": {"start": 0, "start_values": None, "binding": None, "binding_values": None},
     }  # fmt: skip
-    expression = {"variability": "constant", "provenance": {}, "operation": {"kind": "call"}}
+    expression = {
+        "variability": variability, "provenance": {"span": span}, "operation": {"kind": "call"},
+    }  # fmt: skip
     ir = Ir(
         "M", {"layout": {"bindings": {"x": {"Y": {"index": 0}}}}},
         {"variables": [variable], "expressions": [expression]}, {},
@@ -156,4 +166,4 @@ def test_a_start_value_that_is_no_number_is_named_by_its_line(line: int) -> None
     with pytest.raises(BuildError) as caught:
         start_vectors(ir, system)
     assert (caught.value.file, caught.value.line) == ("M.mo", line)
-    assert caught.value.message == "the start value of x is not a number"
+    assert caught.value.message == message
