@@ -208,3 +208,17 @@ def test_what_is_heard_before_begin_and_after_end_counts_for_nothing() -> None:
     hear(0x703, bytearray((BOOT_UP,)), 0.0)
     assert watch.communication() is None
     assert forgotten == []
+
+
+@pytest.mark.parametrize(
+    ("settings", "count"), [(HEARTBEAT, 0), (WatchSettings(), 0), (GUARDING, 1)]
+)
+def test_a_node_is_asked_for_its_state_where_it_is_guarded(
+    settings: WatchSettings, count: int
+) -> None:
+    """With the begin of each watch; a node that sends a heartbeat, or neither, is never asked."""
+    node = Node(settings)
+    assert node.asked == [(0, 0x703, 1, True)] * count
+    node.watch.end()
+    node.watch.begin()
+    assert len(node.asked) == 2 * count

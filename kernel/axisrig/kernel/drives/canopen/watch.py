@@ -60,7 +60,7 @@ class LinkWatch(Cia402Watch):
         self._is_started = False
         self._toggle, self._toggle_stuck = None, False
         self._link.begin()
-        if True:
+        if self._settings.guard_ns:
             self._round += 1
             self._guard(self._round)
 
