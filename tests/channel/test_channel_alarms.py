@@ -205,7 +205,6 @@ def test_an_alarm_of_a_standing_axis_brakes_the_moving_one(channel_bench: Make, 
     _assert_braked(bench.set_mm("Y"), 50.0)
 
 
-@pytest.mark.long
 @pytest.mark.parametrize("moving", [True, False])
 @pytest.mark.provokes(900006, 7, axis="Z", pdo="TPDO1", cycles=4)
 def test_900006_ends_the_program(channel_bench: Make, words: Any, moving: bool) -> None:

@@ -179,7 +179,6 @@ def test_programmed_stop_without_an_operator_ends_the_program(
     assert set(bench.set_mm("X")) == {0.0}
 
 
-@pytest.mark.long
 @pytest.mark.parametrize(("on", "alarms"), [(False, []), (True, [900170])])
 def test_optional_stop_acts_only_when_it_is_switched_on(
     channel_bench: Any, words: Any, on: bool, alarms: list[int]

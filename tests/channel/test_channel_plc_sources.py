@@ -226,7 +226,6 @@ def test_900401_for_a_stamp_that_is_not_enabled(channel_bench: Make, words: Any)
     assert (bench.alarm_ids, bench.channel.records[0].latched_mm) == ([900401], {})
 
 
-@pytest.mark.long
 @pytest.mark.provokes(900402, 4, axis="Z")
 def test_900402_when_the_task_falls_silent_in_a_run(channel_bench: Make, words: Any) -> None:
     bench, _ = _run(channel_bench, words, "PLC", stops_ns=180 * MS)

@@ -165,7 +165,6 @@ def ran(monkeypatch: pytest.MonkeyPatch) -> dict[str, Any]:
     return found
 
 
-@pytest.mark.long
 @pytest.mark.parametrize(
     ("ends", "code"), [((), 0), ((False,), 0), ((True,), 1), ((False, True, False), 1)]
 )

@@ -210,7 +210,6 @@ def test_differences_of_a_rotary_axis_are_in_its_units(axisrig: Call, tmp_path: 
     ]  # fmt: skip
 
 
-@pytest.mark.long
 def test_differences_count_in_effective_values(axisrig: Call, tmp_path: Path) -> None:
     first, second = tmp_path / "a.lst", tmp_path / "b.lst"
     first.write_text("kenngr.mess_neg_flanke 1\n")

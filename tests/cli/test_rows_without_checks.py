@@ -3,8 +3,6 @@
 from collections.abc import Callable
 from pathlib import Path
 
-import pytest
-
 Call = Callable[..., tuple[int, str, str]]
 
 
@@ -14,7 +12,6 @@ def _plan(place: Path, *rows: str, head: str = "case,program,rig") -> Path:
     return path
 
 
-@pytest.mark.long
 def test_a_row_without_a_check_is_named(place: Path, axisrig: Call) -> None:
     """Two rows, one of them with a check; the note is of the other one."""
     (place / "free.nc").write_text("N10 G1 Z120 F1000\nM30\n", encoding="utf-8")

@@ -69,7 +69,6 @@ def test_only_writable_numbers_are_narrowed_and_their_default_is_allowed() -> No
             assert int(row.default.format(**PROFILE.object_defaults), 0) in row.allowed, row
 
 
-@pytest.mark.long
 def test_canopen_reads_back_what_the_table_says() -> None:
     dictionary = object_dictionary(5, PROFILE)
     from_profile = {(0x608F, 1): 1 << 18, (0x6092, 1): 1 << 17}

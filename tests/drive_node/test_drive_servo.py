@@ -98,7 +98,6 @@ def test_leaving_operation_takes_the_force_away_at_the_same_sync(
     assert not bench.axis.commands[-1].enabled
 
 
-@pytest.mark.long
 @pytest.mark.parametrize(("option", "first"), [(0, 0x0217), (2, 0x0617)])
 def test_quick_stop_of_a_standing_axis_shows_for_one_sync(
     drive_bench: Make, option: int, first: int

@@ -215,7 +215,6 @@ def test_software_limits_stop_a_set_point(drive: Callable[..., Drive]) -> None:
     assert not one.status & LIMITED
 
 
-@pytest.mark.long
 @pytest.mark.parametrize(
     ("leave", "wait_ms"), [({"o6040": 0x07}, 100), ({"o6060": 3}, 100), ({"o6060": 3}, 2)]
 )

@@ -217,7 +217,6 @@ def test_900020_when_the_node_does_not_boot(link_bench: Make) -> None:
     assert resets == [bytes([130, NODE])] * 4  # and never started
 
 
-@pytest.mark.long
 def test_900011_when_a_silent_node_is_not_waited_for(link_bench: Make) -> None:
     bench = link_bench(silent=True)
     alarm = _result(bench, StartUpSettings(boot="none"))

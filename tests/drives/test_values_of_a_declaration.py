@@ -84,7 +84,6 @@ def test_the_counter_of_the_sync_is_written_while_its_period_is_0(counter: int) 
     assert written(steps(bus=bus), 0x1006, 0x1019) == expected
 
 
-@pytest.mark.long
 @pytest.mark.parametrize("index", [0x1005, 0x1006])
 def test_what_the_drive_does_not_let_be_written_of_the_sync_is_left_alone(index: int) -> None:
     od = dictionary(index)

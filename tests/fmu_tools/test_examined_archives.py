@@ -32,7 +32,6 @@ def sum_of(path: Path) -> str:
     return hashlib.sha256(path.read_bytes()).hexdigest()
 
 
-@pytest.mark.long
 @pytest.mark.parametrize("description", [MODEL, BROKEN])
 def test_the_size_of_an_archive_is_that_of_what_is_in_it(pack: Pack, description: bytes) -> None:
     """1.5 MiB of zeros are packed into few bytes."""

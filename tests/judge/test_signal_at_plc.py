@@ -285,7 +285,6 @@ def test_external_hardware_keeps_what_it_has_seen_for_a_slow_cnc() -> None:
         assert found(observed)[0].value == value
 
 
-@pytest.mark.long
 @pytest.mark.parametrize(("busy_us", "sync_ms"), [(0, 10), (200, 10), (400, 11), (2500, 15)])
 def test_the_time_that_the_plc_needs_counts(busy_us: int, sync_ms: int) -> None:
     """Read at 10.3 ms, written so much later, seen at 10.6, 11.6 ...; above 2 ms read at 12.3."""

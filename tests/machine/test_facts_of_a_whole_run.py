@@ -165,7 +165,6 @@ def test_a_limit_that_is_asked_for_takes_the_place_of_that_of_the_settings(
     assert limit_ms * MS <= now_ns < (limit_ms + 1) * MS
 
 
-@pytest.mark.long
 def test_a_program_that_has_ended_may_go_on_past_the_limit(tmp_path: Path) -> None:
     """The limit is that of the program; after its end the run goes on as long as it has to."""
     changes = ("plc:limit_s=0.04", "plc:after_end_ms=30")

@@ -190,7 +190,6 @@ def test_a_centre_without_an_arc_is_refused(decode):
         decode(words("G1", X=1, I=5, F=1))
 
 
-@pytest.mark.long
 def test_an_arc_needs_a_feed(decode):
     with pytest.raises(Alarm) as alarm:
         decode(words("G2", X=10, I=5))

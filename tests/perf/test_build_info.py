@@ -51,7 +51,6 @@ def test_both_builds_have_one_hash(tmp_path: Path) -> None:
     assert build_info.hash_of_sources([installed]) != whole
 
 
-@pytest.mark.long
 def test_the_manifest_says_what_made_a_campaign() -> None:
     manifest = build_manifest([read_plan(PLAN)], command=[], started="", output="")
     assert manifest["compiled"] is build_info.is_compiled()

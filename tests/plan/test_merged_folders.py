@@ -149,7 +149,6 @@ def test_runs_of_a_call_are_joined_with_all_that_it_has_set(
             joined(tmp_path / "none", other)
 
 
-@pytest.mark.long
 @pytest.mark.parametrize("file", ["probe.nc", "machine.toml"])
 def test_a_share_whose_files_are_others_now_is_refused(
     plan: Plan, tmp_path: Path, file: str

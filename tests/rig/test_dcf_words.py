@@ -43,7 +43,6 @@ def test_values_of_a_dcf_are_written_before_what_the_rig_sets(
     assert [each for each in eds_warnings(settings) if "2 values" in each]
 
 
-@pytest.mark.long
 @pytest.mark.parametrize(
     ("section", "value", "message"),
     [

@@ -39,7 +39,6 @@ def with_object(index: str, state: str) -> str:
     return EDS
 
 
-@pytest.mark.long
 @pytest.mark.parametrize("state", [PRESENT, NOT_MAPPED, MISSING])
 def test_digital_inputs(with_eds: WithEds, state: str) -> None:
     settings = with_eds(with_object("60FD", state))
@@ -66,7 +65,6 @@ def test_the_counter_of_the_latch_that_the_axis_measures_with(
         assert knows_counter(with_eds(other), "Z")
 
 
-@pytest.mark.long
 @pytest.mark.parametrize("state", [PRESENT, NOT_MAPPED, MISSING])
 def test_a_touch_probe_is_there_without_being_mapped(with_eds: WithEds, state: str) -> None:
     """SDO reaches 60B8 as well."""

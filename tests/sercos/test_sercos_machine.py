@@ -66,7 +66,6 @@ def test_the_plc_side_writes_no_object_of_a_drive_that_has_none(run: Run) -> Non
         run(SHORT, "plc:Z.lag_window=100000 at=M50")
 
 
-@pytest.mark.long
 @pytest.mark.provokes(900743, 7, axis="Z")
 def test_900743_for_an_ident_that_the_drive_does_not_take(run: Run) -> None:
     assert ids(run(SHORT, "drive:servo.idents=S-0-0169=4")) == [900743]

@@ -214,7 +214,6 @@ def test_another_type_of_telegram_is_a_matter_of_the_outputs() -> None:
     assert hand.drive._enter_safeop() == "INVALID_OUTPUT_MAPPING"
 
 
-@pytest.mark.long
 @pytest.mark.parametrize(("allocation", "mask"), [("S-0-0305", 1 << 6), ("S-0-0307", 1 << 7)])
 def test_a_real_time_bit_of_the_status_is_bit_0_of_its_ident(allocation: str, mask: int) -> None:
     """Whatever the other bits of the ident are; without an ident it is 0."""

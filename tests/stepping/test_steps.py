@@ -214,7 +214,6 @@ def test_steps_are_fine_for_as_long_as_drives_look_back_and_ahead(
     assert (after_ns <= 50 * US) == (look_back_us > 0 or hold_us > 0)
 
 
-@pytest.mark.long
 def test_a_probe_is_switched_off_and_on_and_off_and_on(plant: Make) -> None:
     """It rests 0.1 mm in the workpiece: its level falls with its supply, comes 20 ms after it.
 

@@ -105,7 +105,6 @@ def test_where_no_instant_is_known_the_cycles_say_what_may_be_left(sign: int) ->
         assert found.is_explained is is_explained
 
 
-@pytest.mark.long
 @BOTH_WAYS
 def test_the_rounding_of_a_latch_is_a_share_where_no_key_makes_it_finer(sign: int) -> None:
     """10 mm/s for 0.5 ms: 5 um; the other 0.25 um are of the increments."""

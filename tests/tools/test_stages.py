@@ -30,7 +30,6 @@ def metrics_of(cases: list[Case]) -> Counter[str]:
     return Counter(name for case in cases for name in {check.name for check in case.checks})
 
 
-@pytest.mark.long
 def test_every_metric_of_the_shipped_plans_is_checked_and_no_row_is_idle():
     shown = rows_of_every_metric(CASES, simulated_s())
     rows = [case for case in CASES if case.run in shown]

@@ -83,7 +83,6 @@ def test_the_plc_may_change_the_distance_in_every_cycle(distance_bench: Make, sa
 # Not released
 
 
-@pytest.mark.long
 @pytest.mark.parametrize("is_plc", [False, True])
 @pytest.mark.provokes(70336, 7, owner="axis X")
 def test_an_axis_that_is_not_released(

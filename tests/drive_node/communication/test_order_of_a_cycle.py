@@ -124,7 +124,6 @@ def test_a_wrong_length_of_sync_is_reported_once_and_again_after_a_reset(strange
     assert drive.frames(0x083) == [LENGTH, LENGTH, GONE]
 
 
-@pytest.mark.long
 @pytest.mark.parametrize("command", [STOP, RESET_COMMUNICATION, RESET_NODE])
 def test_nobody_misses_a_sync_of_the_time_before(stranger: Make, command: int) -> None:
     """1006 = 1 ms, three periods: the watch over SYNC begins with the first one after the start."""

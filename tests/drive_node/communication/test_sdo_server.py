@@ -40,7 +40,6 @@ def test_expedited_upload(stranger: Make, request_: str, answer: str) -> None:
     assert stranger().sdo(request_) == answer
 
 
-@pytest.mark.long
 @pytest.mark.parametrize(
     "head",
     ["2b", "22", "23"],

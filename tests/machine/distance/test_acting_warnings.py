@@ -27,7 +27,6 @@ def found(run_distance: RunDistance, blocks: str, *assignments: str) -> list[str
     return [note.text for note in facts.notes if note.source == "distance"]
 
 
-@pytest.mark.long
 @pytest.mark.parametrize(
     ("blocks", "assignments"),
     [

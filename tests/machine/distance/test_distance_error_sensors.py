@@ -57,7 +57,6 @@ def test_another_sensor_before_on_is_no_error(run_distance):
     assert [alarm.id for alarm in watched.channel.alarms] == [900315]
 
 
-@pytest.mark.long
 @pytest.mark.provokes(310029, 7, owner="axis Z", source="SECOND_ENCODER")
 @pytest.mark.parametrize("words", ["ON SET_POS=30", "SENSOR_SOURCE=SECOND_ENCODER"])
 def test_a_drive_without_a_second_encoder(run_distance, words):

@@ -129,7 +129,6 @@ def test_a_second_last_branch_is_refused_in_its_own_structure_only() -> None:
     assert (error.line, error.column, error.value) == (6, 4, "$ELSEIF")
 
 
-@pytest.mark.long
 def test_the_level_that_is_too_deep_is_the_one_that_is_named() -> None:
     lines = ["$IF 1"] * DEPTH_MAX + ["$WHILE 1"]
     found = errors(*lines, *["$ENDIF"] * DEPTH_MAX)
