@@ -1,5 +1,6 @@
 """`axisrig new`: a project whose plans can be run as they are."""
 
+import tomllib
 from collections.abc import Callable
 from pathlib import Path
 
@@ -27,6 +28,19 @@ def test_the_project_has_all_that_its_plan_names(place: Path, axisrig: Call) -> 
     code, _, err = axisrig("new", "bench")
     assert code == 2
     assert "the folder is not empty" in err
+
+
+@pytest.mark.parametrize(
+    ("words", "carrier"),
+    [((), "can"), (("--carrier", "can"), "can"), (("--carrier", "ethercat"), "ethercat")],
+)
+def test_a_drive_is_on_can_where_nothing_else_is_asked_for(
+    place: Path, axisrig: Call, words: tuple[str, ...], carrier: str
+) -> None:
+    assert axisrig("new", "bench", *words)[0] == 0
+    with (place / "bench" / "testplans" / "rigs" / "bench.toml").open("rb") as file:
+        segments = tomllib.load(file)["segment"].values()
+    assert {one.get("carrier", "can") for one in segments} == {carrier}
 
 
 def test_what_python_has_compiled_is_no_part_of_a_project(tmp_path: Path) -> None:

@@ -54,6 +54,21 @@ def test_a_new_offset_drops_what_was_made_good(sign: int) -> None:
     assert clock.steps == steps + 1
 
 
+@pytest.mark.parametrize("offset_ns", [1000, -1000])
+def test_an_offset_that_is_written_again_after_power_on_acts_again(offset_ns: int) -> None:
+    """Registers 0920, 0928 and 092C are 0 after power on, and the copy is local time."""
+    clock = DistributedClock(LocalClock())
+    clock.delay = 7
+    for number in (1, 3):
+        clock.set_offset(offset_ns & MASK, number * MS)
+        clock.follow(number * MS, 64, number * MS)
+        assert clock.offset == offset_ns & MASK
+        assert clock.system_ns(number * MS) == number * MS + offset_ns
+        clock.reset()
+        assert (clock.offset, clock.delay, clock.difference) == (0, 0, 0)
+        assert clock.system_ns((number + 1) * MS) == (number + 1) * MS
+
+
 @pytest.mark.parametrize("ahead_ns", [800, -800])
 def test_a_rate_that_is_forgotten_moves_the_copy_no_more(ahead_ns: int) -> None:
     """800 ns in 1 ms leave an eighth of 0.8 parts of 1000; after a write of 0930 none."""

@@ -181,6 +181,12 @@ def test_what_fits_nothing_may_fit_with_a_map_the_plainest_way_first(
     assert found(slave) == [
         ("ok", words + "position = a or b or c or 2 more; signal = c (threshold)")
     ]
+    good -= {("position", "f", "plain")}
+    assert found(slave) == [
+        ("ok", words + "position = a or b or c or 1 more; signal = c (threshold)")
+    ]
+    good -= {("position", "e", "plain")}
+    assert found(slave) == [("ok", words + "position = a or b or c; signal = c (threshold)")]
     good -= {("signal", "c", "plain")}
     assert found(slave) == [("ok", "nothing in it can be an axis or a sensor of a rig")]
 
