@@ -142,7 +142,6 @@ def faulty(numbers: random.Random) -> Callable[[Frame, Controller, int], FaultAc
     return fault
 
 
-@pytest.mark.long
 @pytest.mark.parametrize("seed", range(8))
 def test_random_traffic_with_faults_is_heard_as_through_deliver(seed: int) -> None:
     """Frame by frame the same at each node, with a fault that begins in the middle."""

@@ -330,7 +330,6 @@ def test_an_alarm_of_the_interpreter_ends_the_program_standing(
 # From outside
 
 
-@pytest.mark.long
 @pytest.mark.provokes(900070, 4)
 @pytest.mark.provokes(900071, 7, segment="can1", reason="adapter is gone")
 @pytest.mark.parametrize(

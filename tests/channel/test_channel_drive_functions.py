@@ -60,7 +60,6 @@ def test_the_printed_values_reach_the_drive(channel_bench: Make, words: Any) -> 
     assert bench.nodes["Z"].image.following_window == 0xFFFFFFFF
 
 
-@pytest.mark.long
 def test_a_value_acts_when_the_machining_has_got_there(channel_bench: Make, words: Any) -> None:
     """SYN: behind the move before it, not when it was decoded."""
     bench = _bench(channel_bench, words)

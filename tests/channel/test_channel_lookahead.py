@@ -127,7 +127,6 @@ def test_blocks_behind_a_programmed_stop_are_decoded_when_the_program_goes_on(
     assert done.at_ns(3) >= done.reaches_ns(2.0) + 50_000_000
 
 
-@pytest.mark.long
 def test_a_loop_that_asks_the_plc_side_goes_on_when_the_value_comes(
     channel_bench: Make, words: Any
 ) -> None:
@@ -148,7 +147,6 @@ def test_a_loop_that_asks_the_plc_side_goes_on_when_the_value_comes(
     assert 30 <= bench.set_mm("Z").count(1.0) <= 33
 
 
-@pytest.mark.long
 def test_an_actual_position_is_read_when_the_machine_got_there(
     channel_bench: Make, words: Any
 ) -> None:

@@ -205,7 +205,6 @@ def test_a_run_ends_without_a_result_and_its_probe_is_off(channel_bench: Make, w
     assert second.latched_mm["Z"] == pytest.approx(30.0, abs=1e-4)
 
 
-@pytest.mark.long
 @pytest.mark.provokes(900290, 1, state="RUNNING")
 def test_a_start_is_refused_while_a_program_runs_and_behind_an_alarm(
     channel_bench: Make, words: Any

@@ -87,7 +87,6 @@ def test_class_2_brakes_axes_that_move_by_themselves(channel_bench: Make, words:
     assert bench.final_mm("Z") - z_mm == pytest.approx(50.0**2 / 8000.0, abs=1e-9)
 
 
-@pytest.mark.long
 def test_class_2_brakes_a_run_on_the_path(channel_bench: Make, words: Any) -> None:
     """What is decoded is carried out, but nobody waits for the signal of the run any more."""
     bench = channel_bench(words.axis("Z", a_mm_s2=4000.0))

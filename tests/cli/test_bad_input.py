@@ -99,7 +99,6 @@ def test_file_that_is_no_text(
     _holds(rejected("nc", "part.nc", "--rig", "rig.toml"), file, *fragments)
 
 
-@pytest.mark.long
 def test_missing_files_and_folders_in_their_place(place: Path, rejected: Reject) -> None:
     _holds(rejected("nc", "no.nc", "--rig", "rig.toml"), "no.nc")
     _holds(rejected("nc", "lists", "--rig", "rig.toml"), "lists", "directory")
@@ -109,7 +108,6 @@ def test_missing_files_and_folders_in_their_place(place: Path, rejected: Reject)
     _holds(rejected("nc", "part.nc", "--rig", "rig.toml"), "rig.toml", "empty")
 
 
-@pytest.mark.long
 @pytest.mark.parametrize(
     "text",
     [

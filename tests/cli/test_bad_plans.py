@@ -79,7 +79,6 @@ TABLES = [
 ]
 
 
-@pytest.mark.long
 @_table("text fragments", TABLES)
 def test_table_is_rejected(place: Path, rejected: Reject, text: str, fragments: list[str]) -> None:
     (place / "lists" / "a.nc").write_text("M30\n", encoding="utf-8")
@@ -89,7 +88,6 @@ def test_table_is_rejected(place: Path, rejected: Reject, text: str, fragments: 
     _refused(place, rejected, fragments)
 
 
-@pytest.mark.long
 @pytest.mark.parametrize(
     ("file", "content", "fragments"),
     [
@@ -110,7 +108,6 @@ def test_file_that_is_no_plan(
     _refused(place, rejected, fragments, file)
 
 
-@pytest.mark.long
 def test_plan_that_is_not_there_or_a_folder(place: Path, rejected: Reject) -> None:
     _refused(place, rejected, ["no.csv", "no such file"], "no.csv")
     (place / "dir.csv").mkdir()
@@ -261,7 +258,6 @@ def results(originals: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
     return place / "out"
 
 
-@pytest.mark.long
 def test_folder_that_holds_no_results(place: Path, rejected: Reject) -> None:
     for folder in ("lists", "no", "part.nc"):
         _holds(rejected("report", folder), folder, "no results folder", "axisrig run -o")
@@ -308,7 +304,6 @@ DAMAGES: list[tuple[str, str, bytes | Callable[[str], str], tuple[str, ...]]] = 
 ]
 
 
-@pytest.mark.long
 @_table("name change commands", DAMAGES)
 def test_damaged_results_are_told_with_their_file(
     place: Path,

@@ -155,7 +155,6 @@ def test_the_report_marks_what_went_wrong_on_a_line() -> None:
     assert not bad["X: AL state"][1]
 
 
-@pytest.mark.long
 def test_a_new_project_goes_to_ethercat_as_its_rig_says(
     axisrig: Callable[..., tuple[int, str, str]], place: Path
 ) -> None:

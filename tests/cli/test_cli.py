@@ -100,7 +100,6 @@ def test_nc_prints_the_messages_only(place: Path, axisrig: Call) -> None:
     assert away == (0, "V.A.MERF.Z=0\n", "")
 
 
-@pytest.mark.long
 def test_nc_puts_an_alarm_on_standard_error_with_its_id(place: Path, axisrig: Call) -> None:
     words = ("nc", "part.nc", "--rig", "rig.toml", "--set", "plc:V.E.FEED=3000")
     code, out, err = axisrig(*words, "--set", "set:Z.kenngr.messachse=0")
@@ -132,7 +131,6 @@ def test_nc_tells_stops_and_functions_with_their_instants(place: Path, axisrig: 
     assert "ID 900170 class 2: M0 " in err
 
 
-@pytest.mark.long
 def test_nc_keeps_the_messages_before_an_alarm(place: Path, axisrig: Call) -> None:
     (place / "part.nc").write_text(
         'N10 G1 Z131 F3000\nN20 #MSG ["here"]\nN30 G101 Z1\nN40 M30\n', encoding="utf-8"

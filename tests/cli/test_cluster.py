@@ -221,7 +221,6 @@ class _Lost:
         raise TimeoutError
 
 
-@pytest.mark.long
 @pytest.mark.parametrize("way", ["status", "waiting", "cancelled", "result"])
 def test_why_a_campaign_on_a_cluster_ended_is_said_whatever_comes_after_it(
     place: Path, axisrig: Call, monkeypatch: pytest.MonkeyPatch, way: str

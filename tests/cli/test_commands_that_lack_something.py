@@ -150,7 +150,6 @@ class Terminal:
         return self._is_terminal
 
 
-@pytest.mark.long
 @pytest.mark.parametrize("is_terminal", [True, False])
 def test_a_page_is_drawn_on_a_terminal_and_copied_into_a_pipe(
     is_terminal: bool, tmp_path: Path, monkeypatch: pytest.MonkeyPatch

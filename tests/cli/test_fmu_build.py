@@ -115,7 +115,6 @@ def test_list_shows_every_model_with_its_step_and_title_and_where_fmus_lie(own_c
         assert (float(step) * 1e-6, unit, built) == (pytest.approx(row.step_s), "us", "-")
 
 
-@pytest.mark.long
 def test_command_takes_version_platform_and_compiler(axisrig):
     code, _, err = axisrig("fmu", "build", SOME[0], "--fmi", "1.0")
     assert (code, "no such FMI version" in err) == (2, True)

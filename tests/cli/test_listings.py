@@ -140,7 +140,6 @@ def test_a_keyword_is_shown_with_its_choices_its_kind_or_alone() -> None:
 # Closed forms
 
 
-@pytest.mark.long
 def test_all_closed_forms_have_a_line_with_their_first_words() -> None:
     lines = oracle_listing().splitlines()
     assert "distance.acting" in lines

@@ -74,7 +74,6 @@ def loaded(arguments: list[str]) -> set[str]:
     return set(ast.literal_eval(done.stdout.splitlines()[-1]))
 
 
-@pytest.mark.long
 def test_help_has_the_first_sentence_of_every_command_whole() -> None:
     command = [sys.executable, "-m", "axisrig.bench.cli", "--help"]
     done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=True)

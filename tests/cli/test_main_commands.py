@@ -182,7 +182,6 @@ def test_a_program_ends_with_1_where_an_alarm_has_ended_it(
     assert call("nc", "a.nc", "--rig", "r.toml") == code  # on a real bus nothing is simulated
 
 
-@pytest.mark.long
 def test_options_of_a_program_get_where_they_belong(ran: dict[str, Any]) -> None:
     words = "nc a.nc --rig r.toml --bus-log x.ASC --set plc:limit_s=5 --force --yes --isolate"
     assert call(*words.split()) == 0

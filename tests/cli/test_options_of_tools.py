@@ -87,7 +87,6 @@ def test_a_report_is_written_and_printed_where_asked(
     assert capsys.readouterr().out == "r.html\nr.pdf\n"
 
 
-@pytest.mark.long
 @pytest.mark.parametrize(
     ("options", "given"),
     [

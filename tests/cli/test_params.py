@@ -187,7 +187,6 @@ def test_differences_of_two_lists_in_both_units(axisrig: Call, tmp_path: Path) -
     assert said(axisrig, "diff", str(other), str(other)) == "no difference\n"
 
 
-@pytest.mark.long
 def test_differences_of_a_rotary_axis_are_in_its_units(axisrig: Call, tmp_path: Path) -> None:
     """0.1 um of a linear axis are 0.0001 deg, 1 um/s is 0.001 deg/s."""
     shown = []

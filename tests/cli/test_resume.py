@@ -273,7 +273,6 @@ def test_failed_runs_alone(place: Path, axisrig: Call) -> None:
     assert _counts(place / "out") == (1, 1, 0)
 
 
-@pytest.mark.long
 def test_options_that_exclude_each_other(place: Path, axisrig: Call) -> None:
     plan = write_plan(place, PASSES)
     for more, words in (

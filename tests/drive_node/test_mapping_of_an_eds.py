@@ -33,7 +33,6 @@ def mapped(
     return 0
 
 
-@pytest.mark.long
 @pytest.mark.parametrize(("mapping", "code"), [("0", NOT_MAPPABLE), ("1", 0)])
 @pytest.mark.parametrize(
     ("entry", "communication"),

@@ -82,7 +82,6 @@ def test_a_dummy_fills_a_place_of_an_rpdo_alone(tmp_path: Path, mapping: int, co
     assert values[mapping, 0] == count
 
 
-@pytest.mark.long
 @pytest.mark.parametrize(("value", "begins"), [(6, 6), (5, 2)])
 def test_a_value_that_the_drive_would_refuse_is_not_its_value_at_power_on(
     drive_bench: Any, tmp_path: Path, value: int, begins: int

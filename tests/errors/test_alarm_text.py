@@ -59,7 +59,6 @@ def test_a_newer_twin_says_under_which_id_it_is_raised() -> None:
     assert "raised     as 110757" in alarm_listing("110657")
 
 
-@pytest.mark.long
 def test_every_alarm_can_be_told() -> None:
     for alarm_id, entry in catalogue().items():
         message = " ".join(explained(alarm_id).split())

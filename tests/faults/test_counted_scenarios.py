@@ -92,7 +92,6 @@ def test_other_frames_in_another_process_are_one_more_invariant_that_does_not_ho
     assert died.note == f"{words}no end, no for 01234567"
 
 
-@pytest.mark.long
 @pytest.mark.interpreted
 @pytest.mark.parametrize("jobs", [1, 2])
 def test_scenarios_run_one_by_one_and_the_one_whose_process_dies_is_named(

@@ -115,7 +115,6 @@ RIGS_WITH = {  # what is there besides: of these targets the first is a point, t
 }
 
 
-@pytest.mark.long
 @pytest.mark.parametrize("rig", RIGS_WITH)
 def test_what_is_a_point_a_plan_may_write_and_nothing_else(rig: str) -> None:
     settings = settings_of(rig)

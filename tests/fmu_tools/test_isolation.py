@@ -133,7 +133,6 @@ def test_isolated_results_are_those_of_one_process(
     assert len(set(hashes)) == 1
 
 
-@pytest.mark.long
 def test_what_is_wrong_before_the_run_is_rejected_as_without_isolation(
     place: Path, axisrig: Call, ideal_axis: Build
 ) -> None:

@@ -66,7 +66,6 @@ def test_a_jump_of_acceleration_or_jerk_is_within_three_doubts_and_beyond_one(po
         assert of_speed > 1.0
 
 
-@pytest.mark.long
 @pytest.mark.parametrize("angle", [0.1, 0.5, 1.0, 2.0, 3.0])
 def test_a_vibration_of_up_to_half_a_period_in_a_step_is_within_three_doubts(angle: float) -> None:
     for phase in np.linspace(0.0, np.pi, 60):

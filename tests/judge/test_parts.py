@@ -111,7 +111,6 @@ def test_unbroken_times_do_not_end_with_a_block(values: list[int], size: int) ->
     assert all(one.value != other.value for one, other in pairwise(answer))
 
 
-@pytest.mark.long
 @pytest.mark.parametrize("sizes", [[6], [3, 3], [1, 2, 3], [5, 1], [1] * 6])
 @pytest.mark.parametrize("row_later", [0, 1])
 def test_frames_between_two_instants_do_not_depend_on_blocks(

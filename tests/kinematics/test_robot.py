@@ -91,7 +91,6 @@ def _other_ways(axes: tuple[float, ...]) -> list[tuple[float, ...]]:
     return [tuple(np.array(one) - 180) for one in sorted(found)]
 
 
-@pytest.mark.long
 def test_there_are_eight_ways_and_each_is_found_from_beside_it() -> None:
     robot = MACHINE.kernel()
     ways = _other_ways(NEAR)

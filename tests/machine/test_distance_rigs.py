@@ -24,7 +24,6 @@ def told_and_true(out: Any) -> tuple[np.ndarray, np.ndarray]:
     return -out.column("Z.sensor_mm"), out.column("gap.distance_true_mm")
 
 
-@pytest.mark.long
 @pytest.mark.parametrize(
     ("rig", "delay", "ages"),
     [

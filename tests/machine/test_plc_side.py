@@ -84,7 +84,6 @@ def test_a_run_goes_on_until_the_drive_has_taken_a_value_of_its_end(run_nc: RunN
     assert out.facts.end_ns >= taken
 
 
-@pytest.mark.long
 def test_times_and_the_second_of_a_moment(run_nc: RunNc) -> None:
     out = run_nc(
         "N10 M50\nN20 M50\nN30 M50\nN40 G4 0.1",

@@ -148,7 +148,6 @@ def test_a_program_that_calls_others_is_read_every_time(folder: Path) -> None:
     assert recall(one) is None
 
 
-@pytest.mark.long
 def test_only_so_many_cases_are_kept(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(preparing, "KEPT_MAX", 1)
     one, two = cases(folder)

@@ -134,7 +134,6 @@ def test_the_caller_of_the_measuring_cycles_goes_on_in_its_modal_state(play, mac
     assert last[-count:] == shown[-count:]
 
 
-@pytest.mark.long
 @pytest.mark.parametrize("cycle", CYCLES)
 def test_contouring_is_off_in_a_measuring_cycle_and_on_after_it(play, machine, cycle):
     """FCT-C4 2: no measuring while it smooths; 120652."""

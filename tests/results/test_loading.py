@@ -236,7 +236,6 @@ def test_a_query_reads_the_folder_and_nothing_else(
     }
 
 
-@pytest.mark.long
 @pytest.mark.parametrize(
     ("sql", "rows"),
     [

@@ -79,7 +79,6 @@ def test_the_shipped_rigs_lack_nothing(rig: str) -> None:
     assert f"distance control of axis Z: gap on {sensor}" in check_file(RIGS / f"{rig}.toml")
 
 
-@pytest.mark.long
 @pytest.mark.parametrize("rig", sorted(OF_THE_CHANNEL - {WRONG_SIGN}))
 def test_the_shipped_rigs_with_3d_control_lack_no_sensor(rig: str) -> None:
     """Some of them are wrong on purpose in what the PLC makes of the value, and say so."""

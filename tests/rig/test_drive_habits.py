@@ -43,7 +43,6 @@ def test_every_value_lies_within_its_own_limits(name: str) -> None:
             assert habit.low <= value <= habit.high
 
 
-@pytest.mark.long
 @pytest.mark.parametrize("name", profile_names())
 def test_every_profile_is_a_drive_with_an_eds_that_can_be_read(name: str) -> None:
     profile = named_profile(name)

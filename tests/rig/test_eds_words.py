@@ -236,7 +236,6 @@ def test_the_profile_of_1000_is_that_of_the_rig(
     assert [f"profile {profile}" in text for text in warnings] == [True] * (profile is not None)
 
 
-@pytest.mark.long
 @pytest.mark.parametrize(
     ("lacks", "is_warned"), [("1006 60C2", True), ("1006", False), ("60C2", False)]
 )

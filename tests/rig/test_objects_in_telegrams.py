@@ -46,7 +46,6 @@ def test_digital_inputs(with_eds: WithEds, state: str) -> None:
     assert ("TPDO3" in axis_telegrams(settings, "Z")) is (state == PRESENT)
 
 
-@pytest.mark.long
 @pytest.mark.parametrize(("place", "latch"), LATCHES.items())
 @pytest.mark.parametrize("state", [PRESENT, NOT_MAPPED, MISSING])
 def test_the_counter_of_the_latch_that_the_axis_measures_with(

@@ -37,7 +37,6 @@ def test_output_is_that_of_the_plants_that_are_code_from_outside(
     ]
 
 
-@pytest.mark.long
 @pytest.mark.skipif(os.name != "posix", reason="forks")
 def test_standard_output_goes_to_the_file_that_was_named_last(tmp_path: Path) -> None:
     """A file from before is emptied; what was written earlier stays where it was."""

@@ -20,7 +20,6 @@ def stepping(mm: float) -> Callable[[int], float]:
     return lambda time_ns: mm if time_ns >= 200 * MS + 300_000 else 0.0
 
 
-@pytest.mark.long
 @pytest.mark.parametrize("is_optimized", [True, False])
 @pytest.mark.provokes(70331, 7, owner="axis Z")
 def test_an_alarm_of_the_control_holds_the_offset_and_halts_the_axis(
@@ -87,7 +86,6 @@ def test_another_axis_fails_and_so_does_this_one_while_it_stops(
     assert [alarm.id for alarm in made.channel.further_alarms] == [70330]
 
 
-@pytest.mark.long
 def test_nothing_is_commanded_while_the_axes_stop(
     distance_bench: Make, say: Any, words: Any
 ) -> None:

@@ -95,7 +95,6 @@ def test_max_deviation_is_one_of_the_offset(make_tool_loop: Make, tool: Any, mod
     assert moved == pytest.approx(1.0 if mode == "MCS" else 2.0, abs=1e-9)
 
 
-@pytest.mark.long
 def test_running_out_keeps_to_the_limits_of_the_axes_and_ends_at_0(
     make_tool_loop: Make, tool: Any
 ) -> None:

@@ -42,7 +42,6 @@ def referred(make_head: Make, text: str, height_mm: Any = noisy, **changes: Any)
     return made.run(text)
 
 
-@pytest.mark.long
 @pytest.mark.parametrize(
     "before",
     [

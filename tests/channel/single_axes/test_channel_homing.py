@@ -189,7 +189,6 @@ def test_an_axis_that_sways_inside_its_window_is_adopted_after_its_settling_time
     assert bench.final_mm("Z") == pytest.approx(40.0, abs=0.05)
 
 
-@pytest.mark.long
 @pytest.mark.parametrize("resets", ["homing", "exchange"])
 def test_a_prepared_probe_is_reset(channel_bench: Make, words: Any, resets: str) -> None:
     """FCT-C4 section 7.2: one of the prepared axes resets the preparation of all."""

@@ -106,7 +106,6 @@ def test_time_is_that_of_the_whole_motion(channel_bench: Make, words: Any, time_
     assert arrival(course(bench, "X")) == ceil(round(time_s * 1e3, 6))
 
 
-@pytest.mark.long
 def test_a_time_that_cannot_be_kept_gives_the_fastest_motion(
     channel_bench: Make, words: Any
 ) -> None:

@@ -106,7 +106,6 @@ def test_limits_of_the_tables_are_in_the_eds_also_where_they_are_0() -> None:
     assert min(given.values()) > 0, "no limit of 0 in the tables"
 
 
-@pytest.mark.long
 @pytest.mark.parametrize("name", profile_names())
 def test_the_head_of_an_eds_counts_what_follows_it(name: str) -> None:
     """PDOs by their communication parameters (CiA 306-1: NrOfRXPDO, NrOfTXPDO), lists, sub-indices.

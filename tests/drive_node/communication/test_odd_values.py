@@ -64,7 +64,6 @@ class OddMaster:
         self.write(rows[communication, 1], cob_id)
 
 
-@pytest.mark.long
 @pytest.mark.parametrize("seed", range(24))
 def test_anything_in_any_object(drive_bench: Make, seed: int) -> None:
     random = Random(seed)

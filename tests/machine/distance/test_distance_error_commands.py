@@ -85,7 +85,6 @@ def test_on_again_behind_a_wait_is_no_error(run_distance):
     assert watched.channel.alarms == []
 
 
-@pytest.mark.long
 @pytest.mark.provokes(70332, 1, axis="Z")
 @pytest.mark.parametrize("newer", [False, True])
 @pytest.mark.parametrize(

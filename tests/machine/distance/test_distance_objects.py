@@ -19,7 +19,6 @@ def gains(outcome):
     return [round(float(gain), 9) for gain in asked[follows] / error[follows]]
 
 
-@pytest.mark.long
 @pytest.mark.parametrize(
     ("program", "found"),
     [

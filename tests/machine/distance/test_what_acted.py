@@ -269,7 +269,6 @@ def _legal() -> list[Any]:
     ]
 
 
-@pytest.mark.long
 @pytest.mark.parametrize(("blocks", "plc"), _legal())
 def test_every_legal_use_agrees_with_the_own_model(
     run: Run, blocks: str, plc: tuple[str, ...]

@@ -77,7 +77,6 @@ def test_a_limit_below_the_running_lag_fires_in_free_space(run_stop: RunStop) ->
         assert (found.record.latched_mm["Z"] < 110) is is_free
 
 
-@pytest.mark.long
 def test_the_window_without_start_distance_fires_when_the_block_begins(run_stop: RunStop) -> None:
     fired = run_stop(140, pos_lag_limit=0, min_time=100_000, max_delta_position_window=20)
     assert fired.stop.detected_ns == fired.stop.armed_ns
