@@ -152,10 +152,10 @@ def levels(*changes_ms: int, is_on: bool = False) -> list[Telegram]:
 
 def predicted(made: Left, inputs: Sequence[Telegram]) -> list[float]:
     assert made.received is not None
-    seen = touch(observed(made), "Z")
-    assert seen is not None
+    run_of_z = touch(observed(made), "Z")
+    assert run_of_z is not None
     sent = replace(made.received, inputs=list(inputs))
-    return list(predicted_mm(observed(made), sent, seen, "Z"))
+    return list(predicted_mm(observed(made), sent, run_of_z, "Z"))
 
 
 @pytest.mark.parametrize(

@@ -16,7 +16,12 @@ from axisrig.bench.judge.topics import observe
 from axisrig.bench.oracles.distance.acting import Acting
 from axisrig.bench.plan.checks import parse_check
 from axisrig.bench.record.axes import AxisRecord
-from axisrig.bench.record.distance import DistanceChange, DistanceOrder, DistanceRecord
+from axisrig.bench.record.distance import (
+    Controller,
+    DistanceChange,
+    DistanceOrder,
+    DistanceRecord,
+)
 from axisrig.kernel.time.clock import MS
 
 ROWS, ON = 1000, 100
@@ -29,6 +34,8 @@ N = 2
 WITH_CONST_DIST = DistanceOrder((ON - 1) * MS, "NC", "ON_CONST_DIST")
 WITH_SET_POS = DistanceOrder((ON - 1) * MS, "NC", "ON")
 SET_DIST_MM = 2.0
+CLAMP = Controller(0.2, 0.0, 0.0, "DEFAULT", 1, 0.7, 4, 25.0, 0.1, False)
+"""P control with kp 0.2, whose speed and acceleration are clamped."""
 
 
 def recorded(

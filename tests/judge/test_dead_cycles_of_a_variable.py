@@ -10,24 +10,23 @@ from typing import Any
 
 import numpy as np
 import pytest
-from tests.judge.controls import ON, K, recorded
+from tests.judge.controls import CLAMP, ON, K, recorded
 
 from axisrig.bench.judge.distance.tool import distance_truth
 from axisrig.bench.judge.distance.truth import ACTIVE, ACTIVE_CONST_DIST, FREEZE, DistanceTruth
 from axisrig.bench.judge.observed.observed import Observed
 from axisrig.bench.oracles.distance.cycles import Measured, NotMeasurableError
-from axisrig.bench.record.distance import Controller, DistanceChange, PlcSensor
+from axisrig.bench.record.distance import DistanceChange, PlcSensor
 from axisrig.bench.record.series import SECOND, TARGET, Telegrams
 from axisrig.kernel.time.clock import MS, US
 
-CONTROLLER = Controller(0.2, 0.0, 0.0, "DEFAULT", 1, 0.7, 4, 25.0, 0.1, False)
 STEP = 400
 FRAME_NS = 700 * US
 """End of the frame of a set position in its cycle."""
 
 
 class Framed(Observed):
-    """A recording with the frames of Z: the set position, and 60E4 that nobody uses."""
+    """A recording with the frames of Z: the set position, and a 60E4 that is not read."""
 
     target: Any = None
 
@@ -49,7 +48,7 @@ def answered(
     sensor = np.where(K >= STEP, size_mm, 0.0) + early * (K < STEP - 50)
     sensor = np.where(STEP + reaction + way <= K, 0.0, sensor) + base_mm
     change = DistanceChange(ON * MS, "ACTIVE_CONST_DIST", "NC", "VARIABLE V.E.GAP", False,
-                            CONTROLLER)  # fmt: skip
+                            CLAMP)  # fmt: skip
     made = recorded(columns={"sensor_mm": sensor}, changes=(change,), state=state)
     facts = replace(made.facts, plc_sensors={"V.E.GAP": PlcSensor("gap", -1, 0)})
     observed = Framed(facts, made.series)

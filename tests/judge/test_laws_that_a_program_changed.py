@@ -11,6 +11,7 @@ import numpy as np
 import pyarrow as pa
 import pytest
 from tests.judge.controls import (
+    CLAMP,
     ON,
     WITH_CONST_DIST,
     WITH_SET_POS,
@@ -24,7 +25,7 @@ from tests.recordings import kept
 
 from axisrig.bench.judge.distance.truth import ACTIVE, ACTIVE_CONST_DIST, INACTIVE
 from axisrig.bench.judge.observed.observed import Observed
-from axisrig.bench.record.distance import Controller, DistanceChange, DistanceOrder
+from axisrig.bench.record.distance import DistanceChange, DistanceOrder
 from axisrig.bench.record.facts import AlarmRecord
 from axisrig.kernel.time.clock import MS, US
 
@@ -115,7 +116,6 @@ def twice(*words: DistanceOrder) -> dict[str, Any]:
 
 
 LIMITED = {"v_max": 8000, "a_max": 400}
-CLAMP = Controller(0.2, 0.0, 0.0, "DEFAULT", 1, 0.7, 4, 25.0, 0.1, False)
 
 
 @pytest.mark.parametrize("v_max", [8000, 6000, 3000])

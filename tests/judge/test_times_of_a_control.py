@@ -11,6 +11,7 @@ import numpy as np
 import pyarrow as pa
 import pytest
 from tests.judge.controls import (
+    CLAMP,
     ON,
     ROWS,
     WITH_CONST_DIST,
@@ -37,11 +38,10 @@ from axisrig.bench.judge.observed.observed import Observed
 from axisrig.bench.oracles.distance.loop import BOTH, CONST_DIST
 from axisrig.bench.oracles.distance.supervision import Due
 from axisrig.bench.record.axes import PlantRecord, PlantValue, Telegram
-from axisrig.bench.record.distance import Controller, DistanceChange, DistanceOrder
+from axisrig.bench.record.distance import DistanceChange, DistanceOrder
 from axisrig.kernel.time.clock import MS
 
-CONTROLLER = Controller(0.2, 0.0, 0.0, "DEFAULT", 1, 0.7, 4, 25.0, 0.1, False)
-CONST = DistanceChange(ON * MS, "ACTIVE_CONST_DIST", "NC", "60E4", False, CONTROLLER)
+CONST = DistanceChange(ON * MS, "ACTIVE_CONST_DIST", "NC", "60E4", False, CLAMP)
 
 
 def order(row: int, action: str = "", by: str = "NC", **of_order: Any) -> DistanceOrder:
@@ -184,10 +184,12 @@ def test_a_sum_begins_anew_behind_a_freeze() -> None:
 
 
 def test_a_control_that_is_on_from_the_first_row_on_has_a_model() -> None:
+    """kp e = 0.2 x 1 um in each cycle."""
     columns = {"distance_state": np.full(ROWS, 4.0), "offset_mm": np.cumsum(np.full(ROWS, 2e-4))}
     orders = (order(0, "ON_CONST_DIST", "PLC"),)
     observed = recorded(0.001, columns=columns, orders=orders)
-    assert not np.isnan(walk(truth_of(observed)).offset_mm).any()
+    steps_mm = np.diff(walk(truth_of(observed)).offset_mm)
+    assert steps_mm == pytest.approx(2e-4)
 
 
 # The filter

@@ -125,47 +125,51 @@ def test_what_is_superposed_turns_as_long_as_its_kinematic_is_on(
     assert found[:, 0].tolist() == pytest.approx(expected)
 
 
-OFF, ON, KEPT, OUT = 0, 4, 2, 3
-"""States: inactive, with a constant distance, frozen, turning off."""
+INACTIVE, FOLLOWING, FROZEN, RUNNING_OUT = 0, 4, 2, 3
+"""States of a control; it follows with a constant distance."""
 
 
 @pytest.mark.parametrize(
     ("states", "offset_mm", "expected"),
     [
         (
-            [ON, ON, ON, ON, ON, ON],
+            [FOLLOWING, FOLLOWING, FOLLOWING, FOLLOWING, FOLLOWING, FOLLOWING],
             [1.0, 2.0, 0.0, -1.0, 0.0, 0.0],
             [0.0, 1.0, 2.0, 0.0, -1.0, 0.0],
         ),
         (
-            [ON, ON, KEPT, KEPT, ON, ON],
+            [FOLLOWING, FOLLOWING, FROZEN, FROZEN, FOLLOWING, FOLLOWING],
             [1.0, 2.0, 2.0, 2.0, 3.0, 4.0],
             [0.0, 1.0, 2.0, 2.0, 2.0, 3.0],
         ),
         # It runs out; its last part is on its way when the control is off
         (
-            [ON, ON, OUT, OUT, OFF, OFF],
+            [FOLLOWING, FOLLOWING, RUNNING_OUT, RUNNING_OUT, INACTIVE, INACTIVE],
             [1.0, 2.0, 1.5, 0.5, 0.0, 0.0],
             [0.0, 1.0, 2.0, 1.5, 0.5, 0.0],
         ),
         # OFF NO_MOVE, while it follows and when it is frozen
         (
-            [ON, ON, ON, OFF, OFF, OFF],
+            [FOLLOWING, FOLLOWING, FOLLOWING, INACTIVE, INACTIVE, INACTIVE],
             [1.0, 2.0, 3.0, 0.0, 0.0, 0.0],
             [0.0, 1.0, 2.0, 0.0, 0.0, 0.0],
         ),
         (
-            [ON, ON, KEPT, KEPT, OFF, OFF],
+            [FOLLOWING, FOLLOWING, FROZEN, FROZEN, INACTIVE, INACTIVE],
             [1.0, 2.0, 2.0, 2.0, 0.0, 0.0],
             [0.0, 1.0, 2.0, 2.0, 0.0, 0.0],
         ),
         # A reset keeps it until the axes rest; ON may come in the cycle that hands it over
         (
-            [ON, ON, OFF, OFF, OFF, OFF],
+            [FOLLOWING, FOLLOWING, INACTIVE, INACTIVE, INACTIVE, INACTIVE],
             [1.0, 2.0, 2.0, 2.0, 0.0, 0.0],
             [0.0, 1.0, 2.0, 2.0, 0.0, 0.0],
         ),
-        ([ON, ON, OFF, ON, ON, ON], [1.0, 2.0, 2.0, 0.0, 0.0, 1.0], [0.0, 1.0, 2.0, 0.0, 0.0, 0.0]),
+        (
+            [FOLLOWING, FOLLOWING, INACTIVE, FOLLOWING, FOLLOWING, FOLLOWING],
+            [1.0, 2.0, 2.0, 0.0, 0.0, 1.0],
+            [0.0, 1.0, 2.0, 0.0, 0.0, 0.0],
+        ),
     ],
 )
 def test_an_offset_is_sent_in_the_cycle_after_and_none_that_is_handed_over(
@@ -177,7 +181,7 @@ def test_an_offset_is_sent_in_the_cycle_after_and_none_that_is_handed_over(
     """Without P-CHAN-00818. What the interpolated positions take over is not on its way."""
     found = superposed(monkeypatch, states, offset_mm, is_optimized=False)
     assert found == pytest.approx(expected)
-    if OFF not in states and OUT not in states:
+    if INACTIVE not in states and RUNNING_OUT not in states:
         now = superposed(monkeypatch, states, offset_mm, is_optimized=True)
         assert now == pytest.approx(offset_mm)
 
@@ -187,7 +191,11 @@ def test_where_the_model_has_no_offset_that_of_the_kernel_counts(
 ) -> None:
     own, kernel = [1.0, np.nan, 3.0, np.nan, 5.0, 6.0], [9.0, 2.0, 9.0, 4.0, 5.5, 6.5]
     found = superposed(
-        monkeypatch, [ON, ON, ON, ON, KEPT, OFF], own, kernel_mm=kernel, is_optimized=True
+        monkeypatch,
+        [FOLLOWING, FOLLOWING, FOLLOWING, FOLLOWING, FROZEN, INACTIVE],
+        own,
+        kernel_mm=kernel,
+        is_optimized=True,
     )
     assert found == pytest.approx([1.0, 2.0, 3.0, 4.0, 5.5, 6.5])
 
@@ -200,7 +208,7 @@ def test_a_way_whose_kinematic_went_before_it_was_chosen_keeps_what_was_there(
         until_ns=None, superposed=lambda poses, offsets: poses + np.asarray(offsets)[:, None] ** 2
     )
     ways = [(squares, slice(0, 3)), (way_of(7.0, until_ns=2 * MS), slice(3, 6))]
-    found = superposed(monkeypatch, [ON] * 6, [1.0, 2.0, 3.0, 3.0, 6.0, 1.5], ways=ways)
+    found = superposed(monkeypatch, [FOLLOWING] * 6, [1.0, 2.0, 3.0, 3.0, 6.0, 1.5], ways=ways)
     assert found == pytest.approx([1.0, 4.0, 9.0, 9.0, 18.0, 4.5])
 
 
@@ -231,7 +239,7 @@ def superposed(
     truth: Any = Truth(
         listed=SimpleNamespace(is_optimized=is_optimized),
         state=state,
-        is_active=state == ON,
+        is_active=state == FOLLOWING,
         base=np.zeros((count, 1)),
         times_ns=np.arange(count) * MS,
         way_rows=lambda: ways or [(way_of(1.0), slice(0, count))],

@@ -5,7 +5,6 @@ The recording is that of `reports/tilted.py`, with the kinematic on until row 60
 
 from dataclasses import replace
 from pathlib import Path
-from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -13,7 +12,19 @@ import pyarrow as pa
 import pytest
 from tests.judge.test_channel_control_of_a_trace import stepped, truth
 from tests.judge.test_tilts_of_a_tool import LATE
-from tests.judge.test_tool_metrics import AT, INCLINED, UNTIL, U, changed, seen, value
+from tests.judge.test_tool_metrics import (
+    AT,
+    FOLLOWING,
+    INACTIVE,
+    INCLINED,
+    UNTIL,
+    U,
+    changed,
+    seen,
+    superposed,
+    value,
+    way_of,
+)
 from tests.judge.test_tool_truth import limited
 from tests.recordings import MS, kept
 from tests.reports import tilted
@@ -117,35 +128,6 @@ def test_what_goes_sideways_at_the_end_is_across_the_last_normal() -> None:
         assert found == pytest.approx(expected)
 
 
-def superposed(
-    monkeypatch: pytest.MonkeyPatch, own: Any, offset: Any, is_active: Any, ways: Any
-) -> list[float]:
-    """What an axis has to have of an offset; ways: (factor of the offset, rows, until ms)."""
-    rows = len(own)
-    walked = SimpleNamespace(offset_mm=np.array(own, dtype=float))
-    monkeypatch.setattr(tool_metrics.expected_offset, "walk", lambda _: walked)
-
-    def way(factor: float, until_ms: int | None) -> Any:
-        return SimpleNamespace(
-            until_ns=None if until_ms is None else until_ms * MS,
-            superposed=lambda poses, mm: poses + factor * np.asarray(mm)[:, None],
-        )
-
-    class Truth(SimpleNamespace):
-        def __getitem__(self, _name: str) -> Any:
-            return np.array(offset, dtype=float)
-
-    truth: Any = Truth(
-        listed=SimpleNamespace(is_optimized=True),
-        is_active=np.array(is_active, dtype=bool),
-        base=np.zeros((rows, 1)),
-        times_ns=np.arange(rows) * MS,
-        way_rows=lambda: [(way(factor, until), part) for factor, part, until in ways],
-    )
-    found = tool_metrics._expected_superposed(truth)
-    return [float(row[0]) for row in found]
-
-
 def test_where_the_control_does_not_follow_its_own_offset_counts(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
@@ -153,10 +135,9 @@ def test_where_the_control_does_not_follow_its_own_offset_counts(
     nan = float("nan")
     found = superposed(
         monkeypatch,
-        own=[nan, 1.0, 2.0, 3.0, nan],
-        offset=[0.0, 9.0, 9.0, 2.5, 2.0],
-        is_active=[0, 1, 1, 0, 0],
-        ways=[(1.0, slice(0, 5), None)],
+        [INACTIVE, FOLLOWING, FOLLOWING, INACTIVE, INACTIVE],
+        [nan, 1.0, 2.0, 3.0, nan],
+        kernel_mm=[0.0, 9.0, 9.0, 2.5, 2.0],
     )
     assert found == pytest.approx([0.0, 1.0, 2.0, 2.5, 2.0])
 
@@ -168,13 +149,13 @@ def test_an_offset_stays_as_it_was_behind_a_kinematic_that_went_before_the_next_
     """The third way, from row 3 on, has the kinematic that is off since an earlier row."""
     found = superposed(
         monkeypatch,
-        own=[1.0, 1.0, 1.0, 1.0, 0.5, 0.0],
-        offset=[0.0] * 6,
-        is_active=[1] * 6,
+        [FOLLOWING] * 6,
+        [1.0, 1.0, 1.0, 1.0, 0.5, 0.0],
+        kernel_mm=[0.0] * 6,
         ways=[
-            (2.0, slice(0, 1), None),
-            (3.0, slice(1, 3), None),
-            (5.0, slice(3, 6), until_ms),
+            (way_of(2.0), slice(0, 1)),
+            (way_of(3.0), slice(1, 3)),
+            (way_of(5.0, until_ms * MS), slice(3, 6)),
         ],
     )
     assert found == pytest.approx([2.0, 3.0, 3.0, 3.0, 1.5, 0.0])

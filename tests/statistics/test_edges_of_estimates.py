@@ -108,7 +108,7 @@ def test_the_share_of_uneven_groups_weighs_each_with_its_values(
 ) -> None:
     found = variance_share(values, list(groups))
     assert found.value == pytest.approx(share)
-    assert 0.0 <= found.lower <= found.value <= found.upper <= 1.0 or share == 0.0
+    assert 0.0 <= found.lower <= found.value <= found.upper <= 1.0
     assert found.n == len(values)
 
 

@@ -9,14 +9,18 @@ from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
 
+import numpy as np
+import pyarrow as pa
 import pytest
+from tests.recordings import facts, kept
 
 from axisrig.bench.campaign.results.writer import CaseResult
 from axisrig.bench.plan.case import Case
-from axisrig.bench.plan.checks import judge
+from axisrig.bench.plan.checks import judge, parse_check
 from axisrig.bench.plan.plan import read_plan
 from axisrig.bench.plan.verdict import Verdict
-from axisrig.bench.record.measuring import PlcTaskRecord
+from axisrig.bench.record.axes import AxisRecord, Contact, Edge, ProbeRecord
+from axisrig.bench.record.measuring import MeasurementRun, PlcTaskRecord
 from axisrig.bench.record.signal_sources import HELD, STAMPED
 from axisrig.bench.rig.canopen.keys import DriveTable
 from axisrig.bench.rig.contents import settings_of
@@ -26,7 +30,7 @@ from axisrig.bench.tools.budget.closed_forms import expected_um
 from axisrig.bench.tools.budget.combining import Runs, combined, groups
 from axisrig.bench.tools.budget.instants import Instants, instants_at_plc
 from axisrig.bench.tools.budget.motion import without_run_up
-from axisrig.bench.tools.budget.observed_run import METRICS, Seen, Track
+from axisrig.bench.tools.budget.observed_run import METRICS, Seen, Track, see
 from axisrig.bench.tools.budget.words import LEFT, budget_lines
 from axisrig.kernel.time.clock import MS, US
 
@@ -405,3 +409,46 @@ def test_the_plc_has_a_sample_when_the_cnc_has_shown_it(
     found = instants(Observed(0, offset_ns=plc_us * US), "PLC", edge_us, rig_of())
     assert found is not None
     assert found.value_ns == value_ms * MS + 48 * US
+
+
+# Plants with names of their own
+
+
+@pytest.mark.parametrize(("axis", "per_length"), [("X", 2.0), ("Z", -1.0)])
+def test_speeds_of_a_touch_are_those_of_the_axes_that_move_the_plants_of_the_probe(
+    axis: str, per_length: float
+) -> None:
+    """X goes 20 and Z -10 mm/s onto a plane: X has twice the way; neither plant is called so."""
+    ms = np.arange(40, dtype=np.float64)
+    table = pa.table({
+        "time_ns": np.arange(40, dtype=np.int64) * MS,
+        "X.truth_mm": 0.02 * ms, "X.velocity_mm_s": np.full(40, 20.0),
+        "Z.truth_mm": 5 - 0.01 * ms, "Z.velocity_mm_s": np.full(40, -10.0),
+    })  # fmt: skip
+    plants = {"X": "table", "Z": "quill"}
+    contact = Contact(20 * MS, {"table": 0.4, "quill": 4.8})
+    left = facts(
+        axes={name: AxisRecord("can1", n, 1.0, plant=plant, signals={"probe_1": "probe"})
+              for n, (name, plant) in enumerate(plants.items(), 1)},
+        probes={"probe": ProbeRecord(True, 1.0, contacts=(contact,), edges=(Edge(20 * MS, True),))},
+        runs=(MeasurementRun(("X", "Z"), begin_ns=MS, end_ns=35 * MS, inputs={"X": 1, "Z": 1}),),
+        end_ns=40 * MS, sim_ns=40 * MS,
+    )  # fmt: skip
+    rig = SimpleNamespace(
+        axis={name: SimpleNamespace(drive="servo", plant=plant, probe_1="probe")
+              for name, plant in plants.items()},
+        plant={
+            "table": SimpleNamespace(start={}, wire={}),
+            "quill": SimpleNamespace(start={}, wire={}),
+            "probe": SimpleNamespace(start={}, wire={"x": "table", "z": "quill"}),
+        },
+    )  # fmt: skip
+    values = dict(zip(METRICS, (-1.0, -10.0, 0.3, None), strict=True))
+    checks = [
+        judge(parse_check(f"{name}:{axis}", "-1e9 .. 1e9", ""), value, 0.0, "none")
+        for name, value in values.items()
+    ]
+    case: Any = SimpleNamespace(run="p-a", inputs={})
+    settings: Any = SimpleNamespace(rig=rig, start={})
+    result = CaseResult(case, Verdict.PASS, checks, facts=left, series=kept(table))
+    assert see(result, axis, settings).per_length == pytest.approx(per_length)

@@ -238,7 +238,7 @@ def test_frames_are_counted_as_they_are_read(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("name", ["", "vcan0"])
 def test_a_capture_without_names_is_of_the_only_segment_of_a_rig(name: str, tmp_path: Path) -> None:
-    """Of an interface with another name it is said that it is taken for it."""
+    """An interface with another name has a note that it is taken for that segment."""
     path = tmp_path / "some.pcapng"
     options = {NAME: name.encode()} if name else {}
     path.write_bytes(section() + interface(227, options) + packet(1000, BOOT))

@@ -91,16 +91,12 @@ def test_where_all_is_calm_kp_is_as_large_as_the_loop_and_the_list_allow(
 
 
 @pytest.mark.parametrize(
-    ("calm", "kp"), [(0.259, 0.25), (0.2501, 0.25), (0.0999, 0.099), (1.59, 1.5), (1.2e-4, None)]
+    ("calm", "kp"), [(0.259, 0.25), (0.2501, 0.25), (0.0999, 0.099), (1.59, 1.5), (1.2e-4, 9.7e-5)]
 )
-def test_the_largest_calm_kp_is_rounded_down(calm: float, kp: float | None) -> None:
-    """Never to more than is calm; halved 14 times from 1.6 the least that is tried is 1e-4."""
+def test_the_largest_calm_kp_is_rounded_down(calm: float, kp: float) -> None:
+    """Never to more than is calm; the least that is tried is 1.6 halved 14 times, 9.77e-5."""
     found = _calmest(loop_of(highest=lambda law: 1.0 if law.kp <= calm else 1.5), 0.0)
-    assert found is not None
-    if kp is None:
-        assert found.kp <= calm
-    else:
-        assert found == Law(kp, 0.0, 0.0)
+    assert found == Law(kp, 0.0, 0.0)
 
 
 def test_a_loop_that_is_never_calm_has_no_law() -> None:
@@ -205,15 +201,14 @@ def test_no_derivative_time_is_tried_that_the_list_may_not_have(
 # Closed forms
 
 
-@pytest.mark.parametrize(("name", "has_form"), [(BOTH_ENCODERS, False), (SET_POS, False)])
+@pytest.mark.parametrize("name", [BOTH_ENCODERS, SET_POS])
 @pytest.mark.parametrize(("distance", "actual"), [(3, 2), (2, 3), (4, 2), (2, 4)])
 def test_a_sensor_that_is_sooner_or_later_than_the_motor_has_no_closed_form(
-    name: str, has_form: bool, distance: int, actual: int
+    name: str, distance: int, actual: int
 ) -> None:
     settings: Any = SimpleNamespace(filter=FilterSettings(kind="MOVING_AVERAGE", n_cycles=1))
     paths = [Path(np.eye(1, 20, cycle)[0], 0.0, 0.0) for cycle in (distance, actual)]
-    found = _closed_limit(name, settings, *paths, DeadTime(1, 2, 1, None))
-    assert (found is not None) is has_form
+    assert _closed_limit(name, settings, *paths, DeadTime(1, 2, 1, None)) is None
     alike = _closed_limit(name, settings, paths[0], paths[0], DeadTime(1, 2, 1, None))
     assert alike is not None
 
@@ -255,7 +250,7 @@ def test_a_loop_may_be_stable_from_a_kp_on_and_up_to_another(
 
 
 @pytest.mark.parametrize("law", [Law(0.3), Law(0.3, 0.0, 2e-3), Law(0.2, 0.5, 1e-3)])
-def test_a_step_of_the_surface_is_seen_by_every_part_whatever_a_set_value_meets(law: Law) -> None:
+def test_every_part_acts_on_a_step_of_the_surface_whatever_acts_on_a_set_value(law: Law) -> None:
     """Where the D part takes the change of the feedback alone, only the set value passes by it."""
     path = np.array([0.0, 0.0, 1.0])
     with_it, without = (
@@ -290,7 +285,7 @@ def rounded(values: Any, increment_mm: float) -> Any:
 def test_a_dead_time_is_one_whatever_the_increments_of_the_sensor(
     increment_mm: float, late: int, gain: float
 ) -> None:
-    """At rest nothing is seen of them: the rounding is in what moves."""
+    """At rest they make no scatter: the rounding is in what moves."""
     offset = moved()
     signal = rounded(gain * np.concatenate([np.zeros(late), offset[:-late]]), increment_mm)
     path = identify(offset, 7.0 + signal, 50, 40)
@@ -349,7 +344,7 @@ def test_a_sensor_is_new_in_the_cycles_in_which_most_of_its_changes_come(
     assert found.gain == pytest.approx(1.0, abs=1e-3)
 
 
-def test_a_control_that_has_seen_no_distance_has_five_empty_signals() -> None:
+def test_a_control_that_got_no_distance_has_five_empty_signals() -> None:
     found = _Log("Z", False).signals()
     lengths = [len(values) for values in vars(found).values()]
     assert lengths == [0] * 5
