@@ -35,7 +35,7 @@ def test_choices_of_a_kinematic_are_those_that_change_something() -> None:
 
 @pytest.mark.parametrize("machine", ["9", "45"])
 def test_tilt_and_length_are_those_of_the_tool_where_the_axes_are(machine: str) -> None:
-    """Seen from the chain of matrices: the angle of u to Z, at the actual positions."""
+    """By the chain of matrices: the angle of u to Z, at the actual positions."""
     lists = MACHINES[machine]
     kernel, oracle = lists.kernel(), lists.oracle()
     for axes in lists.axes(3, seed=2):

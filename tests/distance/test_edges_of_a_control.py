@@ -27,7 +27,6 @@ from axisrig.kernel.parameters.origin import Origin
 from axisrig.kernel.time.clock import MS
 
 Make = Callable[..., Any]
-T = 1e-3
 ON, OFF, FREEZE = DistanceCommand.ON, DistanceCommand.OFF, DistanceCommand.FREEZE
 
 
@@ -251,7 +250,10 @@ def test_what_is_asked_for_of_a_filter_is_found_by_its_name(make_loop: Make) -> 
 
 @pytest.mark.parametrize("override", [0.25, 0.5, 1.0])
 def test_an_override_leaves_the_acceleration_of_a_run_out(make_loop: Make, override: float) -> None:
-    """1 mm at 1000 mm/s² is over before v_max, whatever share of it acts: 2 sqrt(s/a) = 63 ms."""
+    """1 mm at 1000 mm/s² is over before v_max, whatever share of it acts: 2 sqrt(s/a) = 63.2 ms.
+
+    The first and the last step may each take a cycle of 1 ms more or less.
+    """
     loop = make_loop(lambda _k: 1.0, kp=0.5)
     loop.control.set_surface(0.0)
     loop.say(ON).run(30).say(FREEZE)

@@ -16,7 +16,7 @@ from axisrig.kernel.motion.ramp import Ramp
 from axisrig.kernel.motion.timed import speed_for
 from axisrig.kernel.time.clock import MS
 
-T = 1e-3
+T_S = 1e-3
 
 
 def flat(a_mm_s2: float) -> Slope:
@@ -60,7 +60,7 @@ def test_an_axis_that_stops_by_itself_brakes_however_slow_it_is(velocity_mm_s: f
     """v²/2a in the time v/a, with 10 mm/s²; then it stands."""
     ramp = Ramp(7.0, velocity_mm_s, flat(10.0), MS)
     assert not ramp.is_standing
-    places = [ramp.advance() for _ in range(int(abs(velocity_mm_s) / 10.0 / T) + 2)]
+    places = [ramp.advance() for _ in range(int(abs(velocity_mm_s) / 10.0 / T_S) + 2)]
     way_mm = math.copysign(velocity_mm_s**2 / 20.0, velocity_mm_s)
     assert places[-1] == pytest.approx(7.0 + way_mm, abs=1e-12)
     assert ramp.is_standing

@@ -5,6 +5,7 @@ from types import SimpleNamespace
 from typing import Any
 
 import pytest
+from tests.machine.test_parts_put_together import Made
 
 from axisrig.bench.machine import deflection, plants
 from axisrig.bench.machine import machine as module
@@ -14,13 +15,6 @@ from axisrig.kernel.errors import UserError
 from axisrig.kernel.time.clock import MS
 
 pytestmark = pytest.mark.interpreted  # stand-ins for typed parts
-
-
-class Made(SimpleNamespace):
-    """Keeps the words of its constructor."""
-
-    def __init__(self, *words: Any, **named: Any) -> None:
-        super().__init__(words=words, **named)
 
 
 class MadeChannel(Made):

@@ -66,7 +66,7 @@ class Plc:
         self.clock.run_until(last * MS + 900 * US)
 
     def levels(self) -> dict[int, bool]:
-        return {number: seen.input for number, seen in self.terminal.image.items()}
+        return {number: state.input for number, state in self.terminal.image.items()}
 
 
 @pytest.fixture

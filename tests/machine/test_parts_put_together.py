@@ -95,19 +95,19 @@ def test_the_watch_is_over_all_drives_segments_and_presences(
 
 
 def test_all_who_look_between_two_cycles_do_so_in_every_one() -> None:
-    seen: list[str] = []
-    hardware, onlooker = object(), lambda machine: seen.append(machine.name)
+    looked: list[str] = []
+    hardware, onlooker = object(), lambda machine: looked.append(machine.name)
     for outside, looks in ((None, ["m"]), (hardware, ["outside", "m"])):
         machine: Any = SimpleNamespace(
             name="m", _hardware=outside, _onlooker=onlooker,
-            _look_outside=lambda found: seen.append("outside" if found is hardware else "?"),
+            _look_outside=lambda found: looked.append("outside" if found is hardware else "?"),
         )  # fmt: skip
         look = Machine._between_cycles(machine)
         assert look is not None
-        seen.clear()
+        looked.clear()
         look()
         look()
-        assert seen == looks * 2
+        assert looked == looks * 2
     nobody: Any = SimpleNamespace(_hardware=None, _onlooker=None)
     assert Machine._between_cycles(nobody) is None
 

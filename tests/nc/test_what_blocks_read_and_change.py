@@ -1,4 +1,4 @@
-"""What a block reads before it is decoded, what it may change, and what of it is not looked at."""
+"""What a block reads before it is decoded, what it may change, and which words are passed over."""
 
 import pytest
 from tests.nc.conftest import PlaneMachine

@@ -16,7 +16,7 @@ def notes(text: str) -> list[str]:
 
 @pytest.mark.parametrize("word", ["INDP_SYN", "INDP_ASYN"])
 @pytest.mark.parametrize(
-    ("options", "said", "alarm_id"),
+    ("options", "reason", "alarm_id"),
     [
         ("FEED=0", f"FEED=0, {ABOVE_0}", 50603),
         ("G01 FEED=-5", f"FEED=-5, {ABOVE_0}", 50603),
@@ -34,9 +34,9 @@ def notes(text: str) -> list[str]:
         ("G00 G01 FEED=0", "G0 and G1 at a time", 900194),
     ],
 )
-def test_a_check_notes_what_ends_the_run(run, word: str, options: str, said: str, alarm_id: int):
+def test_a_check_notes_what_ends_the_run(run, word: str, options: str, reason: str, alarm_id: int):
     text = f"X[{word} POS=10 {options}]"
-    assert notes(text) == [f"a run ends here: X[{word} ..] has {said} (ID {alarm_id})"]
+    assert notes(text) == [f"a run ends here: X[{word} ..] has {reason} (ID {alarm_id})"]
     with pytest.raises(Alarm) as caught:
         run(f"G0 Y1\n{text}")
     assert (caught.value.id, caught.value.place) == (alarm_id, "test.nc line 2")
