@@ -108,7 +108,7 @@ def test_a_turn_of_the_tool_keeps_to_the_accelerations_of_its_axes_at_every_over
     radius_mm = math.dist(walk.places[0][1:3], (0.0, 0.0))
     # Centripetal R w² takes half of the acceleration at most
     most = math.degrees(math.sqrt(0.5 * A_MM_S2 / radius_mm))
-    assert fastest == pytest.approx(min(feed_deg_min / 60.0 * permille / 1000.0, most), rel=0.02)
+    assert fastest == pytest.approx(min(feed_deg_min / 60.0 * permille / 1000.0, most), rel=1e-4)
 
 
 @pytest.mark.parametrize("permille", [250, 500, 1000, 2000])

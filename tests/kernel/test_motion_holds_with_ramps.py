@@ -104,7 +104,7 @@ def test_a_hold_changes_nothing_where_the_path_can_stop_no_sooner(
     for dt in (0.0, 0.002, 0.01, 0.02, 0.04):
         place_mm, speed_mm_s = course.at(at_s + dt)
         assert held.at(dt) == (
-            pytest.approx(place_mm, abs=1e-6), pytest.approx(speed_mm_s, abs=1e-3)
+            pytest.approx(place_mm, abs=1e-6), pytest.approx(speed_mm_s, abs=1e-6)
         )  # fmt: skip
     assert held.end_mm == 2.0
     moves_as_its_speed(held, shape)

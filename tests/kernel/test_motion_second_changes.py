@@ -184,5 +184,6 @@ def test_with_a_stroke_the_last_feed_is_reached_so_that_a_stop_keeps_to_it(
         assert after.a_mm_s2 < 0.0 or stop_mm <= STROKE_MM * (1.0 + 1e-6)
         steepest = math.pi / 2.0 * A_MM_S2 / RAMP_S * 0.004
         assert abs(after.a_mm_s2 - before.a_mm_s2) <= steepest * (1.0 + 1e-6)
-    assert after.speed_mm_s == pytest.approx(feed_mm_s, rel=1e-2)
+    # At the limit of the stroke the last of the speed comes slowly, and long before the middle
+    assert rest.at(rest.duration_s / 2)[1] == pytest.approx(feed_mm_s, rel=1e-6)
     assert rest.at(rest.duration_s) == (FAR_MM, 0.0)

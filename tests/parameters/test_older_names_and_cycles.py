@@ -15,11 +15,18 @@ OLDER = [(row.path, old) for row in table("axis").parameters for old in row.old_
 FIXED_STOP = "kenngr.measure.fixed_stop_detect"
 
 
+def allowed_text(path: str) -> str:
+    """Return a value that a list may give a parameter: its first word, its default, or a name."""
+    row, _ = table("axis").find(path)
+    if row.values:
+        return row.values[0]
+    return str(int(row.default)) if row.default != "" else "A"
+
+
 @pytest.mark.parametrize(("path", "old"), OLDER[::3])
 def test_what_was_set_under_an_older_name_is_set_under_each(path: str, old: str) -> None:
     present, older = (name.replace("[i]", "[0]") for name in (path, old))
-    row, _ = table("axis").find(present)
-    text = row.values[0] if row.values else str(int(row.default)) if row.default != "" else "A"
+    text = allowed_text(present)
     for written in (present, older):
         axis = ParameterSet("axis")
         assert not axis.is_set(present)
@@ -100,8 +107,7 @@ PAIRS = [(path.replace("[i]", "[0]"), old.replace("[i]", "[0]")) for path, old i
 def test_an_older_name_and_the_present_one_are_one_parameter_of_a_list(
     tmp_path: Path, path: str, old: str, turned: bool
 ) -> None:
-    row, _ = table("axis").find(path)
-    text = row.values[0] if row.values else str(int(row.default)) if row.default != "" else "A"
+    text = allowed_text(path)
     first, second = (old, path) if turned else (path, old)
     file = tmp_path / "z.lst"
     file.write_text(f"# of Z\n{first} {text}\nkenngr.messachse 1\n{second} {text}\n", "utf-8")
