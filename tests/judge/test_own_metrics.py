@@ -11,7 +11,7 @@ import pytest
 from tests.recordings import MS, facts, kept
 
 from axisrig.bench.judge.observed.observed import Observed
-from axisrig.bench.judge.topics import judged, sampled
+from axisrig.bench.judge.topics import judged, observe, sampled
 from axisrig.bench.plan import own_metrics
 from axisrig.bench.plan.case import Case
 from axisrig.bench.plan.own_metrics import OwnModule
@@ -247,3 +247,35 @@ def test_an_entry_point_brings_the_metrics_that_axisrig_does_not_have(
         with pytest.raises(UserError, match=words) as caught:
             own_metrics.own_module(Cell(name, place))
         assert (caught.value.line, caught.value.column) == (2, 3)
+
+
+def width(value: str) -> str:
+    return f"def metric_width(recording):\n    return {value}, 'mm', 0.125\n"
+
+
+def test_a_file_that_was_changed_meanwhile_counts_as_it_is_now(
+    recording: Observed, tmp_path: Path
+) -> None:
+    """Also where it has the same name; and as it was before when it is put back."""
+    for value in (1.5, 2.5, 1.5):
+        case = _case(tmp_path, width(str(value)), "check:width", "> 0")
+        assert case.module is not None
+        _, (result, *_) = judged(recording, case.checks, module=case.module)
+        assert (result.value, result.uncertainty) == (value, 0.125)
+        found = observe(recording, case.checks[0], module=case.module)
+        assert (found.value, found.uncertainty) == (value, 0.125)
+
+
+def test_what_fails_outside_of_the_file_is_named_without_a_line(
+    recording: Observed, tmp_path: Path
+) -> None:
+    """The function is gone since the plan was read: no line of the file has led to that."""
+    case = _case(tmp_path, width("1.5"), "check:width", "> 0")
+    assert case.module is not None
+    (tmp_path / "own.py").write_text("def metric_other(recording):\n    return 1.0, '', 0.0\n")
+    _, (result, *_) = judged(recording, case.checks, module=case.module)
+    assert result.verdict is Verdict.ERROR
+    assert result.note == f"{case.module.name}: KeyError: 'metric_width'"
+    (tmp_path / "own.py").write_text("\n\ndef metric_width(recording):\n    return 1 / 0\n")
+    _, (result, *_) = judged(recording, case.checks, module=case.module)
+    assert result.note.startswith(f"{case.module.name}:4: ZeroDivisionError: ")

@@ -1,5 +1,6 @@
-"""Metrics, marks and words of a whole program, from facts alone."""
+"""Metrics, marks and words of a whole program, and the topics that judge it, from facts alone."""
 
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -9,12 +10,16 @@ from tests.recordings import facts, kept
 
 from axisrig.bench.judge.observed.observation import Observation
 from axisrig.bench.judge.observed.observed import Observed
+from axisrig.bench.judge.observed.topic import Topic
 from axisrig.bench.judge.program.findings import log_lines, program_events, program_notes
-from axisrig.bench.judge.topics import observe
+from axisrig.bench.judge.run_findings import of_facts
+from axisrig.bench.judge.topics import TOPICS, judged, observe
 from axisrig.bench.plan.checks import parse_check
+from axisrig.bench.plan.verdict import Verdict
 from axisrig.bench.record.axes import AxisRecord, Deflection, DriveState, ProbeRecord
 from axisrig.bench.record.bus import BusChange, BusFigures, RealTime, Spread
 from axisrig.bench.record.facts import AlarmRecord, DriveWrite, Facts, Fault, Note, PlcNote
+from axisrig.bench.record.series import SeriesWriter
 from axisrig.kernel.time.clock import MS
 
 ROWS = 20
@@ -284,3 +289,54 @@ def test_each_drive_has_marks_from_its_own_start_on() -> None:
         observed = recorded(axes={axis: axes[axis] for axis in names})
         found = [(e.time_ns // MS, e.kind, e.label, e.axis) for e in program_events(observed)]
         assert sorted(found) == wanted
+
+
+def test_checks_are_judged_by_the_topics_that_are_given() -> None:
+    """One topic in the place of all: its metric has another value, and no mark is another's."""
+    mine = Topic("mine", {"duration_s": lambda _o, _a: Observation(42.0, 0.5)}, lambda _: [])
+    observed = recorded(start_ns=0)
+    check = parse_check("duration_s", "40 .. 44", "")
+    for topics, value, verdict in (
+        ((mine,), 42.0, Verdict.PASS), ((mine, *TOPICS), 42.0, Verdict.PASS),
+        (TOPICS, 0.019, Verdict.FAIL),
+    ):  # fmt: skip
+        found, (result,) = judged(observed, [check], topics)
+        assert (found, result.value) == (verdict, pytest.approx(value))
+
+
+def test_all_alarms_of_a_run_are_among_its_findings() -> None:
+    given = (alarm(3, 1, ends=False), alarm(2, 5), alarm(9, 6, further=True))
+    assert list(of_facts(recorded(alarms=given).facts).alarms) == list(given)
+
+
+@pytest.mark.parametrize("start_row", [0, 3, 8])
+@pytest.mark.parametrize("metric", ["set_acceleration_mm_s2_max:Z", "set_jerk_mm_s3_max:Z"])
+def test_what_the_set_positions_did_before_the_drives_were_on_counts_nowhere(
+    metric: str, start_row: int
+) -> None:
+    """A step of 1 mm at row 4, taken over before the drives are enabled; 0.01 mm at row 14."""
+    k = np.arange(ROWS)
+    set_mm = np.where(k >= 4, 1.0, 0.0) + np.where(k >= 14, 0.01, 0.0)
+    found = seen(recorded({"Z.set_mm": set_mm}, start_ns=start_row * MS), metric)
+    step_mm = 1.0 if start_row <= 4 else 0.01
+    order = 2 if "acceleration" in metric else 3
+    factor = 1.0 if order == 2 else 2.0  # third differences of a step: 1, -2, 1
+    assert found.value == pytest.approx(factor * step_mm * 1e3**order)
+
+
+@pytest.mark.parametrize("row", [5, 9, 10, 11, 13])
+@pytest.mark.parametrize("size", [1, 9, 10, 11, 12])
+def test_the_doubt_of_a_lag_is_the_same_wherever_a_block_ends(
+    row: int, size: int, tmp_path: Path
+) -> None:
+    """An encoder that is off around the largest lag, in row 10."""
+    actual = PLACE_MM.copy()
+    actual[row] += 0.016
+    whole = driven(peaks((10, 0.5)), actual)
+    table, writer = whole.series.table(), SeriesWriter(tmp_path / "a.parquet")
+    for part in (table.slice(0, size), table.slice(size)):
+        writer.add({name: part[name].combine_chunks() for name in part.column_names})
+    parts = Observed(whole.facts, writer.close())
+    one, other = (seen(each, "drive_lag_mm_max:Z") for each in (whole, parts))
+    assert (other.value, other.note) == (one.value, one.note)
+    assert other.uncertainty == pytest.approx(one.uncertainty)

@@ -1,6 +1,8 @@
 """What a report shows of the runs of a case, from rows alone."""
 
 from collections.abc import Sequence
+from dataclasses import replace
+from typing import Any
 
 import pytest
 from scipy import stats
@@ -236,3 +238,30 @@ def test_statistics_are_of_each_plan_case_and_metric() -> None:
 @pytest.mark.parametrize(("ratio", "is_apart"), [(0.0, False), (1.0, False), (1.0001, True)])
 def test_a_value_is_apart_beyond_the_limit_of_its_test(ratio: float, is_apart: bool) -> None:
     assert ValueApart("p-a", ratio).is_apart is is_apart
+
+
+@pytest.mark.parametrize("metrics", [("latch_mm:X", "latch_mm:Z"), ("latch_mm", "latch_mm:Z")])
+def test_the_same_metric_of_two_axes_has_its_own_statistics(metrics: Sequence[str]) -> None:
+    checks: list[dict[str, str]] = []
+    for place, metric in enumerate(metrics):
+        of_axis, cases = rows([10.0 * place + n for n in range(4)])
+        checks += [{**row, "metric": metric, "unit": f"u{place}"} for row in of_axis]
+    found = {entry.metric: entry for entry in statistics_data(checks, cases)}
+    assert list(found) == list(metrics)
+    for place, metric in enumerate(metrics):
+        mean: Any = found[metric].found.mean
+        assert mean.value == pytest.approx(10.0 * place + 1.5)
+        assert (found[metric].unit, found[metric].found.n) == (f"u{place}", 4)
+
+
+def test_a_case_keeps_to_its_own_plan() -> None:
+    """Two plans have a case of the same name."""
+    checks, cases = rows([1.0, 2.0, 3.0, 4.0])
+    other = [{**row, "plan": "q", "run": row["run"].replace("p-", "q-")} for row in cases]
+    of_other = [
+        {**row, "plan": "q", "run": row["run"].replace("p-", "q-"), "value": "7.0"}
+        for row in checks
+    ]
+    found = statistics_data([*checks, *of_other], [*cases, *other])
+    assert [(entry.plan, entry.found.n) for entry in found] == [("p", 4), ("q", 4)]
+    assert replace(found[0], plan="q") != found[1]

@@ -419,3 +419,15 @@ def test_the_angles_of_an_extended_tool_are_those_that_act(
     (head,) = (replace(on, ids=on.ids[:1]) for on in of.kinematics)
     (bare,) = tilted.tool(trace(), replace(of, kinematics=(head,))).kinematics
     assert dict(bare.limits) == {}
+
+
+@pytest.mark.parametrize(("x_mm", "speed_mm_s"), [(0.0, 70.0), (0.024, 74.0), (-0.24, 250.0)])
+def test_a_contact_is_as_uncertain_as_the_tool_is_fast_in_all_its_coordinates(
+    x_mm: float, speed_mm_s: float
+) -> None:
+    """0.07 mm along Y in the step before it, and something along X: sqrt(x^2 + y^2) in 1 ms."""
+    row = ON + 50
+    of = measured(dict.fromkeys(AXES, 0.0)).facts
+    table = changed(trace(), {"Y.truth_mm": {row: 0.02}, "X.truth_mm": {row: x_mm}})
+    found = seen(Observed(of, kept(table)), "tcp_latch_error_um")
+    assert found.uncertainty == pytest.approx(speed_mm_s * 1e3 * (INSTANT_NS + 20.0) * 1e-9)
