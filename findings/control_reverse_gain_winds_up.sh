@@ -19,14 +19,14 @@ from pySimplePID import PID
 def show(name, acts, limit):
     now = [0.0]
     loop = PID(kp=acts * 1.0, ki=acts * 0.5, target=100.0, output_min=-limit, output_max=limit, time_function=lambda: now[0])
-    position, highest, seen = 0.0, 0.0, []
+    position, highest, rows = 0.0, 0.0, []
     for at in range(1, 1001):
         now[0] = 0.1 * at
         position += 0.1 * acts * 0.05 * loop.update(position)
         highest = max(highest, position)
         if at in (100, 200, 400, 800, 1000):
-            seen.append(f"{now[0]:.0f} s {position:.1f} mm integral {loop.integral:.0f}")
-    print(f"{name}, limit {limit:.0f} %: highest {highest:.1f} mm;", ", ".join(seen))
+            rows.append(f"{now[0]:.0f} s {position:.1f} mm integral {loop.integral:.0f}")
+    print(f"{name}, limit {limit:.0f} %: highest {highest:.1f} mm;", ", ".join(rows))
 
 
 show("forward", 1, 1e6)

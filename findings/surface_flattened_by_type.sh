@@ -35,7 +35,7 @@ sdfio.write("surface.sdf", heights_m, x_scale=1e-6, y_scale=1e-6)
 show("binary64", sdfio.read("surface.sdf"))
 for kind in ("binary32", "int16", "int32"):
     done = subprocess.run(["venv/bin/sdfio", "convert", "-t", kind, "surface.sdf", "again.sdf"], capture_output=True, text=True)
-    show(f"converted to {kind} (exit {done.returncode}, said {done.stdout + done.stderr!r})", sdfio.read("again.sdf"))
+    show(f"converted to {kind} (exit {done.returncode}, output {done.stdout + done.stderr!r})", sdfio.read("again.sdf"))
 refitted = sdfio.read("surface.sdf").with_revision(sdfio.Revision.ISO_2_0, data_type=sdfio.DataType.INT16, refit_z_scale=True)
 refitted.save("again.sdf")
 show("in Python, refit_z_scale", sdfio.read("again.sdf"))
@@ -48,9 +48,9 @@ cat >expected <<'TEXT'
 int16 at once: step 1.19e-10 m, height 7.000 um, off by 0.000 um, missing 1
 int32 at once: step 1.82e-15 m, height 7.000 um, off by 0.000 um, missing 1
 binary64: step 1 m, height 7.000 um, off by 0.000 um, missing 1
-converted to binary32 (exit 0, said ''): step 1 m, height 7.000 um, off by 0.000 um, missing 1
-converted to int16 (exit 0, said ''): step 1 m, height 0.000 um, off by 3.900 um, missing 1
-converted to int32 (exit 0, said ''): step 1 m, height 0.000 um, off by 3.900 um, missing 1
+converted to binary32 (exit 0, output ''): step 1 m, height 7.000 um, off by 0.000 um, missing 1
+converted to int16 (exit 0, output ''): step 1 m, height 0.000 um, off by 3.900 um, missing 1
+converted to int32 (exit 0, output ''): step 1 m, height 0.000 um, off by 3.900 um, missing 1
 in Python, refit_z_scale: step 1 m, height 0.000 um, off by 3.900 um, missing 1
 int32 to int16: exit 1 sdfio: error: Data value out of range for SDF data type INT16 (-32768..32767)
 TEXT

@@ -24,23 +24,23 @@ def test_of_frames_that_are_all_to_change_places_the_second_goes_at_once(
     segment: Segment, watch: Watch, naive_bits: Bits
 ) -> None:
     """One of a port waits for the next of it; the next one does not wait for a third."""
-    seen, sender = watch(segment), segment.port("sender")
+    frames, sender = watch(segment), segment.port("sender")
     segment.port("receiver")
     segment.add_fault(lambda _frame, _port, attempt: None if attempt else Swap())
     for frame in (FIRST, SECOND, THIRD):
         sender.send_raw(frame.arbitration_id, frame.data)
     segment.scheduler.run_until(MS)
     first, second, third = (naive_bits(frame) for frame in (FIRST, SECOND, THIRD))
-    assert sorted(can_id for _, can_id, _ in seen) == [0x100, 0x200, 0x300]
-    ends = {can_id: end_ns for end_ns, can_id, _ in seen}
-    assert ends[seen[0][1]] == ({0x200: second, 0x300: third}[seen[0][1]] - 3) * US
+    assert sorted(can_id for _, can_id, _ in frames) == [0x100, 0x200, 0x300]
+    ends = {can_id: end_ns for end_ns, can_id, _ in frames}
+    assert ends[frames[0][1]] == ({0x200: second, 0x300: third}[frames[0][1]] - 3) * US
     assert max(ends.values()) == (first + second + third - 3) * US  # nobody leaves a gap
 
 
 def test_a_frame_that_changes_places_is_behind_the_next_of_its_port(
     segment: Segment, watch: Watch, naive_bits: Bits
 ) -> None:
-    seen, sender, other = watch(segment), segment.port("sender"), segment.port("other")
+    frames, sender, other = watch(segment), segment.port("sender"), segment.port("other")
 
     def hook(frame: Frame, _port: Controller, attempt: int) -> Swap | None:
         return Swap() if frame.arbitration_id == 0x100 and not attempt else None
@@ -49,11 +49,11 @@ def test_a_frame_that_changes_places_is_behind_the_next_of_its_port(
     sender.send_raw(0x100, b"\x11\x22")
     other.send_raw(0x300, b"\x11\x22")
     segment.scheduler.run_until(MS)
-    assert seen == [((naive_bits(THIRD) - 3) * US, 0x300, "data")]  # that of another port is none
+    assert frames == [((naive_bits(THIRD) - 3) * US, 0x300, "data")]  # that of another port is none
     sender.send_raw(0x200, b"\x11\x22")
     segment.scheduler.run_until(2 * MS)
     second, first = naive_bits(SECOND), naive_bits(FIRST)
-    assert seen[1:] == [
+    assert frames[1:] == [
         (MS + (second - 3) * US, 0x200, "data"), (MS + (second + first - 3) * US, 0x100, "data"),
     ]  # fmt: skip
 
@@ -62,26 +62,26 @@ def test_a_sender_that_loses_its_power_in_a_late_error_frame_repeats_nothing(
     segment: Segment, watch: Watch, naive_bits: Bits
 ) -> None:
     """The receivers have the frame; the flag of 6 bits and 8 bits of delimiter pass as ever."""
-    seen = watch(segment)
+    frames = watch(segment)
     sender, receiver = segment.port("sender"), segment.port("receiver")
-    heard: list[int] = []
-    receiver.attach_data(lambda can_id, _data, _time: heard.append(can_id))
+    received: list[int] = []
+    receiver.attach_data(lambda can_id, _data, _time: received.append(can_id))
     segment.add_fault(fails(1, bit=999))
     sender.send_raw(0x100, b"\x11\x22")
     whole = naive_bits(FIRST) - 3
     segment.scheduler.call_at((whole + 2) * US, Phase.APPLICATION, sender.power_off)
     segment.scheduler.run_until(MS)
-    assert seen == [(whole * US, 0x100, "data"), ((whole + 6 + 8) * US, 0x100, "error")]
-    assert (heard, receiver.rec) == ([0x100], 0)
+    assert frames == [(whole * US, 0x100, "data"), ((whole + 6 + 8) * US, 0x100, "error")]
+    assert (received, receiver.rec) == ([0x100], 0)
     assert (sender.takes_part, sender.discarded, len(sender.pending)) == (False, 1, 0)
     sender.send_raw(0x200, b"")
     segment.scheduler.run_until(2 * MS)
-    assert (heard, sender.discarded) == ([0x100], 2)
+    assert (received, sender.discarded) == ([0x100], 2)
     sender.power_on()
     assert (sender.takes_part, sender.tec) == (True, 0)
     sender.send_raw(0x300, b"")
     segment.scheduler.run_until(3 * MS)
-    assert heard == [0x100, 0x300, 0x300]  # late as well, and with power it is repeated
+    assert received == [0x100, 0x300, 0x300]  # late as well, and with power it is repeated
 
 
 @pytest.mark.parametrize(
@@ -106,7 +106,7 @@ def test_a_flag_is_as_long_as_nodes_see_the_error_one_after_the_other(
     counts: tuple[int, int, int],
 ) -> None:
     """6 bits where all do at once, 12 superposed ones else; counts of sender and receivers."""
-    seen = watch(segment)
+    frames = watch(segment)
     ports = [segment.port(name) for name in ("a", "b", "c")]
     found: list[tuple[int, ...]] = []
     names = None if seen_by is None else frozenset(seen_by)
@@ -120,7 +120,7 @@ def test_a_flag_is_as_long_as_nodes_see_the_error_one_after_the_other(
 
     segment.scheduler.call_at(end_ns + 1, Phase.APPLICATION, count)
     segment.scheduler.run_until(MS)
-    assert [at for at, _, kind in seen if kind == "error"] == [end_ns]
+    assert [at for at, _, kind in frames if kind == "error"] == [end_ns]
     assert found == [counts]
 
 
@@ -128,11 +128,11 @@ def test_who_sends_the_same_bits_does_not_get_its_own_frame_late(
     segment: Segment, naive_bits: Bits
 ) -> None:
     """Two drives with one number send the same: an error in the last bit repeats it for both."""
-    heard: dict[str, list[tuple[int, int]]] = {name: [] for name in "abc"}
+    received: dict[str, list[tuple[int, int]]] = {name: [] for name in "abc"}
     ports = {name: segment.port(name) for name in "abc"}
     for name, port in ports.items():
         port.attach_data(
-            lambda can_id, _data, _time, name=name: heard[name].append((can_id, segment.now_ns))
+            lambda can_id, _data, _time, name=name: received[name].append((can_id, segment.now_ns))
         )
     segment.add_fault(fails(1, bit=999))
     for name in "ab":
@@ -140,7 +140,7 @@ def test_who_sends_the_same_bits_does_not_get_its_own_frame_late(
     segment.scheduler.run_until(MS)
     whole = naive_bits(FIRST) - 3
     again = whole + 6 + 8 + 3 + whole
-    assert heard == {"a": [], "b": [], "c": [(0x100, whole * US), (0x100, again * US)]}
+    assert received == {"a": [], "b": [], "c": [(0x100, whole * US), (0x100, again * US)]}
     assert [ports[name].tec for name in "ab"] == [7, 7]  # 8 for the error, one less after it
 
 

@@ -37,7 +37,7 @@ def test_an_extended_frame_is_none_of_the_services_of_11_bits(can_id: int) -> No
 def test_a_remote_frame_is_the_request_of_a_service_of_its_node(
     can_id: int, service: str, node: int | None
 ) -> None:
-    """Node guarding asks with one, and so may who wants a TPDO."""
+    """A master asks for node guarding with one, and it may ask for a TPDO with one."""
     found = dissect(Frame(can_id, b"", False, True, 8))
     assert (found.service, found.node, dict(found.fields)) == (service, node, {"remote": 1})
 

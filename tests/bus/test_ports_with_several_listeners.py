@@ -17,7 +17,9 @@ from axisrig.kernel.time.scheduler import Scheduler
 Bits = Callable[[Frame], int]
 
 
-def test_each_callback_gets_each_frame_with_its_time_in_seconds(segment: Segment) -> None:
+def test_each_callback_gets_each_frame_with_its_time_in_seconds(
+    segment: Segment, naive_bits: Bits
+) -> None:
     sender, port = segment.port("sender"), segment.port("port")
     found: list[tuple[str, int, float]] = []
     for name in ("first", "second"):
@@ -35,7 +37,8 @@ def test_each_callback_gets_each_frame_with_its_time_in_seconds(segment: Segment
         ("first", 0x123, at_s), ("first of all", 0x123, at_s), ("second", 0x123, at_s),
         ("second of all", 0x123, at_s),
     ]  # fmt: skip
-    assert 44e-6 < at_s < 70e-6  # SOF to end of frame of one byte at 1 Mbit/s
+    bits = naive_bits(data_frame(0x123, b"\x01")) - 3  # SOF to end of frame, of 1 us each
+    assert at_s == pytest.approx(bits * 1e-6, abs=1e-12)
     found.clear()
     sender.send(can.Message(arbitration_id=0x701, is_extended_id=False, is_remote_frame=True))
     segment.scheduler.run_until(2 * MS)
@@ -46,14 +49,14 @@ def test_each_callback_gets_each_frame_with_its_time_in_seconds(segment: Segment
 
 def test_a_remote_frame_has_no_data_whatever_its_message_has(segment: Segment) -> None:
     """Its length is that of the answer that it asks for."""
-    seen: list[Frame] = []
+    frames: list[Frame] = []
     sender, _ = segment.port("sender"), segment.port("other")
-    segment.observe(lambda _time, _name, frame, _is_error: seen.append(frame))
+    segment.observe(lambda _time, _name, frame, _is_error: frames.append(frame))
     message = can.Message(arbitration_id=0x701, is_extended_id=False, is_remote_frame=True, dlc=2)
     message.data = bytearray(b"\x01\x02")
     sender.send(message)
     segment.scheduler.run_until(MS)
-    assert seen == [Frame(0x701, b"", False, True, 2)]
+    assert frames == [Frame(0x701, b"", False, True, 2)]
 
 
 @pytest.mark.parametrize("data", [None, b"", b"\x07"])
@@ -61,13 +64,13 @@ def test_a_message_of_a_network_has_the_bytes_that_it_was_given(
     segment: Segment, data: bytes | None
 ) -> None:
     """SYNC without a counter has none."""
-    seen: list[Frame] = []
+    frames: list[Frame] = []
     network = SimNetwork(segment.port("master")).connect()
     segment.port("other")
-    segment.observe(lambda _time, _name, frame, _is_error: seen.append(frame))
+    segment.observe(lambda _time, _name, frame, _is_error: frames.append(frame))
     network.send_message(0x080, data)
     segment.scheduler.run_until(MS)
-    assert seen == [data_frame(0x080, data or b"")]
+    assert frames == [data_frame(0x080, data or b"")]
     network.disconnect()
 
 

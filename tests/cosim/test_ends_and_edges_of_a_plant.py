@@ -58,8 +58,8 @@ def test_power_is_switched_once_for_however_many_commands() -> None:
     assert switched() == [1.0, 0.0, 1.0]
 
 
-def test_what_a_motor_encoder_saw_is_the_place_of_the_motor() -> None:
-    """The motor at 0.7 m and 2 m/s, the load at 0.3 m and 1 m/s; half way of a step of 2 ms."""
+def test_a_motor_encoder_reads_the_place_of_the_motor() -> None:
+    """The motor at 0.7 m and 2 m/s, the load at 0.3 m and 1 m/s; 2 ms a step."""
     fmu = Fmu(*RAMP, position=lambda ns: 0.3 + ns * 1e-9, velocity=1.0,
               motor_position=lambda ns: 0.7 + 2 * ns * 1e-9, motor_velocity=2.0)  # fmt: skip
     axis = axis_of(fmu)

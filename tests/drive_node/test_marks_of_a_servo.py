@@ -92,7 +92,8 @@ def test_power_lifts_the_torque_limit_of_a_homing_that_presses(fake_axis: Any, m
     pressing_n = 0.3 * profile.rated_force_n
     assert axis.limits[-1] == pytest.approx((pressing_n, pressing_n))
     one.servo.reset(one.now_ns)
-    assert min(axis.limits[-1]) > 10 * profile.rated_force_n  # 6072: FFFF per mille
+    full_n = 65.535 * profile.rated_force_n  # 6072: FFFF per mille
+    assert axis.limits[-1] == pytest.approx((full_n, full_n))
 
 
 @pytest.mark.parametrize(

@@ -56,7 +56,7 @@ def read(patch: pytest.MonkeyPatch, *numbers: int) -> Reading:
 @pytest.mark.parametrize(
     ("one", "other"), [((1, 12), (11, 2)), ((0, 10), (1, 0)), ((-1, 1), (-11, 0)), ((1, 2), (2, 1))]
 )
-def test_outputs_that_look_alike_in_a_row_are_told_apart(
+def test_outputs_that_look_alike_in_a_row_differ(
     one: tuple[int, int], other: tuple[int, int], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """1 and 12 are not 11 and 2."""
@@ -257,7 +257,7 @@ def test_every_unit_that_is_not_known_is_named_in_the_order_of_the_alphabet() ->
 
 
 @pytest.mark.parametrize("hidden", [0, 1, 2])
-def test_one_variable_that_is_hidden_is_said_to_be_too(
+def test_a_single_hidden_variable_is_mentioned_too(
     hidden: int, capsys: pytest.CaptureFixture[str]
 ) -> None:
     local = [own(f"l{number}", causality="local") for number in range(hidden)]
@@ -308,7 +308,7 @@ def test_the_structure_counts_each_kind_by_itself() -> None:
 
 
 def offered(patch: pytest.MonkeyPatch, asked: Any, variables: list[Any], takes: Any) -> list[str]:
-    """What is said of an FMU with these variables; takes: whether a role is bound to a source."""
+    """Findings of an FMU with these variables; takes: whether a role is bound to a source."""
     kinds = Kinds(patch)
     patch.setattr(roles, "KINDS", ("axis",))
     kinds.roles["axis"] = asked

@@ -93,9 +93,9 @@ def test_capabilities_warn_each_for_itself(
            zip(WORDS.items(), bad, strict=True)}  # fmt: skip
     own = SimpleNamespace(can_serialize_state=True, can_return_early=False, **can)
     monkeypatch.setattr(examining, "Capabilities", SimpleNamespace(of=lambda *_: own))
-    said, *warnings = examining._capabilities(None, Path())  # type: ignore[arg-type]
-    assert said.level == "ok"
-    assert "serialises it: yes; returns early: no" in said.text
+    first, *warnings = examining._capabilities(None, Path())  # type: ignore[arg-type]
+    assert first.level == "ok"
+    assert "serialises it: yes; returns early: no" in first.text
     wanted = [words for (_, words), is_bad in zip(WORDS.values(), bad, strict=True) if is_bad]
     assert len(warnings) == len(wanted)
     assert all(words in one.text for words, one in zip(wanted, warnings, strict=True))

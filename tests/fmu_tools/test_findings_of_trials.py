@@ -62,15 +62,17 @@ def test_what_a_library_lacks_is_exported_again(fake: Any) -> None:
 
 
 @pytest.mark.parametrize(
-    ("off", "words"), [(1e-9, "edges are searched"), (1.0, "cannot be searched")]
+    ("off", "level", "words"),
+    [(1e-9, "warn", "edges are searched"), (1.0, "FAIL", "cannot be searched")],
 )
 def test_a_state_that_does_not_come_back_says_what_that_means(
-    fake: Any, off: float, words: str
+    fake: Any, off: float, level: str, words: str
 ) -> None:
     fake(odd=staticmethod(lambda trial, count: off * (trial.restores > 0 and count == 40)))
     (found,) = stages.state(FMU).findings
+    assert found.level == level
     assert words in found.remedy
-    assert ("canGetAndSetFMUState" in found.remedy) is (found.level == "FAIL")
+    assert ("canGetAndSetFMUState" in found.remedy) is (level == "FAIL")
 
 
 @pytest.mark.parametrize(("own_ns", "words"), [(2 * MS, "2"), (125 * US, "0.125"), (50 * MS, "50")])

@@ -302,7 +302,7 @@ def test_files_come_by_name_from_whatever_depth(tmp_path: Path) -> None:
 def test_each_who_listens_hears_the_begin_and_the_end_until_it_goes() -> None:
     """In whatever order they go; an end is an empty text."""
     words: dict[str, list[str]] = {name: [] for name in "abc"}
-    listening = {name: heard(said.append) for name, said in words.items()}
+    listening = {name: heard(texts.append) for name, texts in words.items()}
 
     def build(model: str) -> None:
         with announced(model):
