@@ -2,6 +2,7 @@
 
 import hashlib
 import struct
+from collections.abc import Callable
 from pathlib import Path
 
 import can
@@ -118,7 +119,10 @@ def test_a_block_in_blf_reads_back_kind_by_kind(tmp_path: Path, destroyed: int |
 # How much a bus carries
 
 
-def test_the_load_of_now_counts_frames_and_error_frames(segment: Segment) -> None:
+def test_the_load_of_now_counts_frames_and_error_frames(
+    segment: Segment, naive_bits: Callable[[Frame], int]
+) -> None:
+    """Error frames have 20 bits of a frame, 6 of flag, 8 of delimiter and 3 of intermission."""
     sender = segment.port("sender")
     segment.port("receiver")
     segment.add_fault(fails(2))
@@ -129,7 +133,11 @@ def test_the_load_of_now_counts_frames_and_error_frames(segment: Segment) -> Non
     assert (now.frames, now.error_frames) == (2, 4)
     whole = segment.load()
     assert (whole.frames, whole.error_frames) == (2, 4)
-    assert now.busy_share == pytest.approx(whole.busy_share)
+    bits = 4 * (20 + 6 + 8 + 3)
+    bits += naive_bits(data_frame(0x100, b"\x01")) + naive_bits(data_frame(0x101, b"\x02"))
+    assert whole.busy_bits == bits
+    for load in (now, whole):
+        assert load.busy_share == pytest.approx(bits / 3000)  # 3 ms at 1 Mbit/s
 
 
 @pytest.mark.parametrize(("ms", "bits"), [(1, 300), (99, 29_700), (100, 30_000), (101, 30_000)])

@@ -315,10 +315,10 @@ def test_each_who_listens_hears_the_begin_and_the_end_until_it_goes() -> None:
         listening[name].__exit__(None, None, None)
         build(str(number))
 
-    def heard_of(*models: int) -> list[str]:
+    def notices(*models: int) -> list[str]:
         return [text for number in models for text in (f"building {number}", "")]
 
-    assert words == {"a": heard_of(1, 2), "b": heard_of(1), "c": heard_of(1, 2, 3)}
+    assert words == {"a": notices(1, 2), "b": notices(1), "c": notices(1, 2, 3)}
 
 
 def test_an_fmu_that_came_with_the_wheel_is_ours_by_its_bytes_alone(

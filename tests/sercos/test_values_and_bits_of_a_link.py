@@ -39,7 +39,7 @@ def test_a_place_with_any_sign_is_proved_over_the_service_channel(place: int) ->
 
 
 @pytest.mark.parametrize("number", BITS)
-def test_each_step_of_a_latch_is_seen_by_itself(number: int) -> None:
+def test_each_step_of_a_latch_is_shown_by_itself(number: int) -> None:
     """Clear, ordered, armed, latched, and off again; two cycles pass to the AT that shows it."""
     bench = Bench(bits=real_time_bits(number, 0), echo_cycles=2)
     _, done, _ = BITS[number]
