@@ -404,6 +404,12 @@ def test_the_table_shows_the_first_sentence_of_an_alarm() -> None:
     assert answer["text"].endswith("Look it up.")
 
 
+def test_an_alarm_keeps_what_stands_behind_a_colon_of_its_own_words() -> None:
+    answer = shown(AlarmRecord(0, 900005, 5, True, "ID 900005 class 5: Axes: Z at 0:5. Look: up."))
+    assert answer["text"] == "Axes: Z at 0:5. Look: up."
+    assert answer["short"] == "Axes: Z at 0:5"
+
+
 def test_what_came_up_during_the_stop_is_told_beside_the_alarm() -> None:
     first = shown(alarm(900031, segment="can1"))
     second = shown(alarm(900034, is_further=True, axis="Z", node=3, state="stopped"))

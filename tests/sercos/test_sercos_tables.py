@@ -17,7 +17,7 @@ from axisrig.bench.drive.sercos.profiles import (
 from axisrig.bench.drive.sercos.profiles import rows as habits
 from axisrig.bench.drive.sercos.service_channel import STATES
 from axisrig.kernel.drives.sercos.settings import real_time_bits
-from axisrig.kernel.profiles.sercos.service import Kind, ident_number
+from axisrig.kernel.profiles.sercos.service import Attribute, Kind, ident_number
 from axisrig.kernel.profiles.sercos.words import PROBES, telegram_idents
 
 ONE, TWO = 0x40, 0x80  # real-time bits 1 and 2
@@ -30,6 +30,24 @@ def test_what_telegrams_carry_is_as_long_in_the_drive() -> None:
         row = by_ident[ident]
         assert int(row["bytes"]) == carried.bytes, row
         assert (Kind[row["kind"].upper()] is Kind.SIGNED) is carried.is_signed, row
+
+
+@pytest.mark.parametrize(
+    ("word", "attribute"),
+    [
+        (0x0221_03E8, Attribute(Kind.SIGNED, 2, decimals=2, factor=1000)),
+        (0x0F22_FFFF, Attribute(Kind.SIGNED, 4, decimals=15, factor=0xFFFF)),
+        (0x0045_0001, Attribute(Kind.TEXT, 2, is_list=True)),
+        (0x0068_0100, Attribute(Kind.FLOAT, 1, is_command=True, factor=256)),
+        (0x1013_0001, Attribute(Kind.UNSIGNED, 8, protected=(True, False, False))),
+        (0x2003_0001, Attribute(Kind.BINARY, 8, protected=(False, True, False))),
+        (0x4033_0001, Attribute(Kind.HEXADECIMAL, 8, protected=(False, False, True))),
+    ],
+)  # fmt: skip
+def test_each_part_of_an_attribute_has_its_bits(word: int, attribute: Attribute) -> None:
+    """Factor 0 to 15, length 16 and 17, list 18, command 19, type 20 to 22, decimals 24 to 27."""
+    assert attribute.pack() == word.to_bytes(4, "little")
+    assert Attribute.read(word.to_bytes(4, "little")) == attribute
 
 
 def test_each_ident_is_there_once_and_its_default_fits() -> None:
