@@ -72,6 +72,27 @@ def test_an_angle_is_that_of_the_nearest_increment(angle_deg: float, increment: 
     assert fall.position_m == pytest.approx(place_m + LEAD_M / 10_000, abs=1e-9)
 
 
+@pytest.mark.parametrize("number", [-3, 0, 2])
+@pytest.mark.parametrize(
+    ("begin", "end", "rises"),
+    [
+        *((-5, 2, True), (-5, 0.5, True), (-5, -1, False), (0.5, 5, False), (2, 9, False)),
+        *((5, -2, True), (5, 0.5, True), (5, 2, False), (0.5, -5, False), (-2, -9, False)),
+        (-5, 10_005, True), (5, -10_005, True), (0.5, 10_000.5, True), (0.5, -9_999.5, True),
+    ],
+)  # fmt: skip
+def test_a_way_upwards_rises_at_the_lower_side_and_one_downwards_at_the_upper(
+    begin: float, end: float, number: int, *, rises: bool
+) -> None:
+    """Places in increments from the lower side of a mark, which is one increment wide."""
+    mark, width_m = number + 0.25, LEAD_M / 10_000
+    index = pulse(lambda _: 0.0, 90.0)
+    begin_m, end_m = (mark * LEAD_M + place * width_m for place in (begin, end))
+    assert index.rises_between(begin_m, end_m) is rises
+    course = pulse(lambda t: begin_m + (end_m - begin_m) * t, 90.0).edges(0, S)
+    assert any(edge.level for edge in course) is rises
+
+
 def test_standing_on_the_mark_is_no_edge() -> None:
     assert pulse(lambda t: 0.01).edges(0, S) == []
 

@@ -23,6 +23,7 @@ from axisrig.kernel.motion.stroke import RunUp, Stroke
 Ramps = tuple[list[Ramp], list[Ramp]]
 
 _SAME_MM: Final = 1e-9  # more than rounding leaves of a path, less than anything shows
+_STANDS_MM_S: Final = 1e-9  # a path that is no faster stands
 _GAP_MM: Final = 1e-6  # ramps that end so far before the end of a path do not lead to it
 _SAME_SPEED: Final = 1e-12  # share of a speed that is rounding
 
@@ -191,7 +192,7 @@ def _to_rest(state: State, shape: Shape) -> list[Ramp]:
     speed_mm_s = state.speed_mm_s
     ramps: list[Ramp] = []
     for ramp in state.left:
-        if speed_mm_s < _SAME_MM and ramp.to_mm_s2 > 0.0:
+        if speed_mm_s < _STANDS_MM_S and ramp.to_mm_s2 > 0.0:
             break
         _, speed_mm_s = way(speed_mm_s, [ramp], shape)
         ramps.append(ramp)
@@ -230,7 +231,7 @@ def _kept(
 def _is_end(state: State, end_mm: float) -> bool:
     """Whether a path has come to its end, but for rounding."""
     path_mm, speed_mm_s, a_mm_s2, _ = state
-    return a_mm_s2 == 0.0 and speed_mm_s < _SAME_MM and path_mm > end_mm - _SAME_MM
+    return a_mm_s2 == 0.0 and speed_mm_s < _STANDS_MM_S and path_mm > end_mm - _SAME_MM
 
 
 def _fitted(state: State, end_mm: float, down: JerkSlope) -> list[Ramp] | None:

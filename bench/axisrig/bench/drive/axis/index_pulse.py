@@ -56,10 +56,11 @@ class IndexPulse:
             here_ns, here_m = next_ns, next_m
         return found
 
-    def is_between(self, one_m: float, other_m: float) -> bool:
-        """Return whether a mark begins between two places."""
-        side_m, _ = self._sides[0]
-        low, high = sorted(floor((x - side_m) / self._revolution_m) for x in (one_m, other_m))
+    def rises_between(self, begin_m: float, end_m: float) -> bool:
+        """Return whether a way of one direction passes a rising edge."""
+        upwards = end_m > begin_m
+        side_m = next(side_m for side_m, rises in self._sides if rises is upwards)
+        low, high = sorted(floor((x - side_m) / self._revolution_m) for x in (begin_m, end_m))
         return low < high
 
     def _between(

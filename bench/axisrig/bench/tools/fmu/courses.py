@@ -81,8 +81,8 @@ def _held_ns(path: Path) -> TimeNs:
     step_ns, course = COURSE_STEPS_NS[-1], list[Reading]()
     per_ms = COURSE_STEPS_NS[0] // step_ns
     try:
-        with closing(Trial(path, moves=True)) as trial:
-            trial.drifts = True  # else who looks now and then may find the value of before
+        # Without a drift who looks now and then may find the value of before
+        with closing(Trial(path, moves=True, drifts=True)) as trial:
             trial.start()
             outputs = trial.outputs
             for place in range(SPAN_NS // step_ns):

@@ -60,12 +60,14 @@ class Trial:
     Raises UserError when it cannot be loaded, PlantError once it runs.
     """
 
-    def __init__(self, path: Path, name: str = "trial", *, moves: bool = False) -> None:
+    def __init__(
+        self, path: Path, name: str = "trial", *, moves: bool = False, drifts: bool = False
+    ) -> None:
         self.slave: FmuSlave = load_fmu(path, name)
         self.outputs = readable_outputs(self.slave.description)
         self._inputs = movable_inputs(self.slave.description)
         self._moves = moves
-        self.drifts = False
+        self._drifts = drifts
         self.count = 0
 
     def start(self) -> None:
@@ -114,7 +116,7 @@ class Trial:
         return readings
 
     def _move_inputs(self) -> None:
-        drift = _DRIFT * self.count if self.drifts else 0.0
+        drift = _DRIFT * self.count if self._drifts else 0.0
         for variable, value in _moved_inputs(self._inputs, self.count, drift):
             setter = getattr(self.slave.fmpy, f"set{variable.type}")
             setter([variable.valueReference], [value])

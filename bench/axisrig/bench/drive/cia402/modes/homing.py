@@ -265,7 +265,7 @@ class Homing(Mode):
 
     def _has_passed_mark(self) -> bool:
         begin_m, end_m = self._looked_m, self.parts.motion.axis.motor_position_m()
-        return begin_m is not None and self.parts.index.is_between(begin_m, end_m)
+        return begin_m is not None and self.parts.index.rises_between(begin_m, end_m)
 
     def _is_behind(self) -> bool:
         return self._method.switch == "none" and not self._is_beyond(
