@@ -37,7 +37,7 @@ def findings(
     """Level and text of what is found about an FMU with these outputs."""
 
     class Trial:
-        def __init__(self, _: Path, *, moves: bool) -> None:
+        def __init__(self, _: Path, *, moves: bool, drifts: bool = False) -> None:
             assert moves
             self.outputs: Any = [
                 SimpleNamespace(name=f"out{n}", type=kind, variability=variability)

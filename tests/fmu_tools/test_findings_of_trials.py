@@ -158,7 +158,7 @@ def test_a_course_that_cannot_be_loaded_is_none(
     class Trial:
         outputs: Any = ()
 
-        def __init__(self, _: Path, *, moves: bool) -> None:
+        def __init__(self, _: Path, *, moves: bool, drifts: bool = False) -> None:
             made.append(len(made))
             if len(made) <= count:
                 raise UserError("no licence")
