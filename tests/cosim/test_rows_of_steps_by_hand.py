@@ -94,7 +94,7 @@ def test_each_step_has_its_own_inputs_and_outputs_in_as_many_calls_as_it_takes(
 @pytest.mark.parametrize("status", [DISCARD, ERROR, FATAL])
 @pytest.mark.parametrize("stop", [1, 2, ROWS, ROWS + 1, ROWS + 30])
 def test_after_a_step_that_is_refused_no_other_call_is_made(stop: int, status: int) -> None:
-    """What was reached comes back, up to the step before it; then the time stands there."""
+    """The times that were reached are returned; the clock stands at the step before the end."""
     ends_ns = [k * MS for k in range(1, 3 * ROWS)]
     slave = Instance({stop * MS: status})
     rows = steps(slave, 0, 1).take(ends_ns)

@@ -1,4 +1,4 @@
-"""What is said of a tuned loop, from written findings: warnings, dead time, reasons."""
+"""Words about a tuned loop, from findings made by hand: warnings, dead time, reasons."""
 
 from dataclasses import replace
 from pathlib import Path as File

@@ -1,4 +1,4 @@
-"""Values in the brackets of commands: their commas and places, and what of them is noted."""
+"""Values in the brackets of commands: their commas and places, and notes on some of them."""
 
 import re
 

@@ -60,8 +60,7 @@ class IndexPulse:
         """Return whether a way of one direction passes a rising edge."""
         upwards = end_m > begin_m
         side_m = next(side_m for side_m, rises in self._sides if rises is upwards)
-        low, high = sorted(floor((x - side_m) / self._revolution_m) for x in (begin_m, end_m))
-        return low < high
+        return len(self._revolutions(side_m, begin_m, end_m)) > 0
 
     def _between(
         self, begin_ns: TimeNs, begin_m: float, end_ns: TimeNs, end_m: float
@@ -74,16 +73,20 @@ class IndexPulse:
         upwards = end_m > begin_m
         passed: list[tuple[float, bool]] = []
         for side_m, rises in self._sides:
-            low, high = sorted((x - side_m) / self._revolution_m for x in (begin_m, end_m))
-            numbers = range(floor(low) + 1, floor(high) + 1)
             passed += [
-                (side_m + number * self._revolution_m, rises is upwards) for number in numbers
+                (side_m + number * self._revolution_m, rises is upwards)
+                for number in self._revolutions(side_m, begin_m, end_m)
             ]
         passed.sort(reverse=not upwards)
         return [
             IndexEdge(self._instant_ns(place_m, upwards, begin_ns, end_ns), level, place_m)
             for place_m, level in passed
         ]
+
+    def _revolutions(self, side_m: float, begin_m: float, end_m: float) -> range:
+        """Return the numbers of the revolutions in which a way passes a side of the mark."""
+        low, high = sorted((x - side_m) / self._revolution_m for x in (begin_m, end_m))
+        return range(floor(low) + 1, floor(high) + 1)
 
     def _instant_ns(
         self, place_m: float, upwards: bool, begin_ns: TimeNs, end_ns: TimeNs
