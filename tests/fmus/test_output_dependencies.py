@@ -4,7 +4,7 @@ from types import SimpleNamespace
 from typing import Any
 
 import pytest
-from tests.fmus.test_words_of_models import shown
+from tests.fmus.test_variables_of_models import shown
 
 from axisrig.fmus.reading.expressions import TIME, apply, parameter
 from axisrig.fmus.writing.structure import output_dependencies

@@ -5,7 +5,7 @@ from typing import Any
 
 import pytest
 from tests.fmus.test_parts_of_a_c_source import source
-from tests.fmus.test_words_of_models import shown
+from tests.fmus.test_variables_of_models import shown
 
 from axisrig.fmus.equations.system import Assignment
 from axisrig.fmus.reading.expressions import apply, const, variable
