@@ -8,7 +8,8 @@ from functools import cache
 from typing import Any
 
 import pytest
-from tests.fmus.test_words_of_models import shown, texts
+from tests.fmus.test_variables_of_models import shown
+from tests.fmus.test_words_of_models import texts
 
 from axisrig.fmus.reading.target import TARGET
 from axisrig.fmus.writing import archive
