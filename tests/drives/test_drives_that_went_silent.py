@@ -101,6 +101,26 @@ def test_each_loss_is_repeated_anew() -> None:
         cycle(link, wire, 0.0)
 
 
+@pytest.mark.parametrize("gone", [0x183, 0x283])
+def test_whichever_of_its_telegrams_stays_out_the_drive_gets_its_words_by_sdo(gone: int) -> None:
+    """TPDO1 or TPDO2: one is enough to end the program, and the set speed would go on."""
+    link, wire, written = led(loop=LOOP)
+    for lost_cycles in range(1, MISSING_CYCLES + 4):
+        if gone != 0x183:
+            wire.status(OPERATION_ENABLED, 0)
+        if gone != 0x283:
+            wire.latch()
+        if lost_cycles <= MISSING_CYCLES:
+            link.take()
+        else:
+            with pytest.raises(Alarm, match="TPDO1" if gone == 0x183 else "TPDO2") as silent:
+                link.take()
+            assert (silent.value.id, silent.value.values["cycles"]) == (900006, lost_cycles)
+        link.send(0.0)
+        assert bool(written.objects) is (lost_cycles > MISSING_CYCLES)
+    assert written.objects == [(CONTROLWORD, b"\x0f\0"), (TARGET_VELOCITY, bytes(4))]
+
+
 # The set speed meanwhile
 
 

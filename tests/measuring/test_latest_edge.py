@@ -74,6 +74,32 @@ def test_a_status_that_stays_out_is_waited_for(missing: int) -> None:
     assert judge(FakePort(arrival=arrival), None, lost=lost) == (False, REST + missing)
 
 
+@pytest.mark.parametrize("delay", [1, 2, 3])
+@pytest.mark.parametrize("lost", [(REST,), (REST, REST + 1), (REST - 1, REST)])
+def test_cycles_without_a_status_are_cycles_since_the_standstill_too(
+    delay: int, lost: tuple[int, ...]
+) -> None:
+    """The status of the standstill is late by the delay, whatever has stayed out before it."""
+    arrival = Arrival(delay_cycles=delay, missing_cycles=3)
+    decides = max(REST + delay, lost[-1] + 1)
+    assert judge(FakePort(arrival=arrival), None, delay=delay, lost=lost) == (False, decides)
+
+
+@pytest.mark.parametrize(("edge", "counts"), [(REST, True), (REST + 3, False)])
+def test_what_is_judged_once_stays_judged(edge: int, counts: bool) -> None:
+    """Neither an edge that vanishes nor one that comes after it changes that."""
+    port = FakePort(has_latched=edge == REST)
+    found = LatestEdge(port, 0)
+    found.look(REST * MS, REST * MS)
+    assert (found.counts, found.is_over, found.is_open) == (counts, not counts, False)
+    for has_latched in (not counts, counts, not counts):
+        port.has_latched = has_latched
+        for rest_ns in (REST * MS, None):
+            found.look(END * MS, rest_ns)
+            assert (found.counts, found.is_over, found.is_open) == (counts, not counts, False)
+            assert not found.waits_for_stamp
+
+
 @pytest.mark.parametrize("unit_ns", [1, 1000])
 @pytest.mark.parametrize("start", [0, 4_000_000, 0xFFFF_FF00])
 @pytest.mark.parametrize("late_ns", [-1_000_000, -1, 0, 1, 900_000])
