@@ -235,6 +235,7 @@ class SercosDrive(EthercatDrive):
         self._tell_servo()
         servo.update()
         servo.react(now_ns)
+        self._changed()
 
     def _written_to(self, ident: int) -> int:
         found = self.idents.table[ident]
@@ -322,11 +323,24 @@ class SercosDrive(EthercatDrive):
         return result
 
     def leave(self, before: AlState, after: AlState, code: str) -> None:
-        """Go down; the probing cycle ends with its phase."""
+        """Go down; the control word counts no more, and the probing cycle ends with its phase."""
+        if before is AlState.OP:
+            self.front.control = 0
         super().leave(before, after, code)
         if after < AlState.SAFEOP:
             self.probing.end()
             self.idents.table[words.PROBE_COMMAND].state = 0
+
+    def _cycle(self) -> None:
+        super()._cycle()
+        self._changed()
+
+    def _changed(self) -> None:
+        """Go on with S-0-0099 where no telegram does: in phases 2 and 3."""
+        if self.front.is_resetting and self.states.state is not AlState.OP:
+            self._tell_servo()
+            self.servo.react(self._clock.now_ns)
+            self._tell_servo()
 
     def _send_emergency(self, code: int, register: int, info: int) -> None:
         self.front.report(code)
