@@ -1,4 +1,4 @@
-"""Values of a PROFIdrive drive that lie elsewhere: second encoder, other screws, over 100 percent."""
+"""Values of a PROFIdrive drive: second encoder, other screws, more than 100 percent."""
 
 from typing import Any
 
