@@ -70,7 +70,8 @@ def test_each_axis_has_the_delay_that_its_own_list_compensates(
     run = run_of(recorded(later, written={axis: {**BY_LAG, DELAY: delay}}))
     for name, rows in later.items():
         d = delay if name == axis else 4
-        assert run.cycles_of(name).delay_cycles == max(d, 1)
+        assert run.cycles_of(name).delay_cycles == d
+        assert run.cycles_of(name).judged.delay_cycles == max(d, 1)
         e0 = V_MM_S / 50.0 + (2 - max(d, 1)) * V_MM_S * 1e-3
         assert run.running_lag_mm(name, V_MM_S) == pytest.approx(e0)
         assert run.approach(name).running_lag_mm == pytest.approx(e0)
@@ -288,10 +289,10 @@ def test_what_was_latched_is_shown_with_the_reason_for_its_missing_bound() -> No
 
 @pytest.mark.parametrize("delay", [0, 1, 3])
 def test_a_lag_in_motion_is_shown_as_the_cnc_shows_it(delay: int) -> None:
-    """v/Kv + (2 - d) v T; d = 0 counts as 1."""
+    """v/Kv + (2 - d) v T: what is shown has s(k) in it, so that d = 0 is 0."""
     (block,) = stop_findings(one.recorded(written={DELAY: delay}))
     (lag,) = [value for value in block.values if value.key == "running_lag"]
-    assert lag.expected == pytest.approx(V_MM_S / 50.0 + (2 - max(delay, 1)) * V_MM_S * 1e-3)
+    assert lag.expected == pytest.approx(V_MM_S / 50.0 + (2 - delay) * V_MM_S * 1e-3)
 
 
 def test_a_lag_in_motion_is_that_of_the_row_before_the_contact() -> None:

@@ -73,11 +73,12 @@ def limits_as_written(written: Written, period_ns: TimeNs) -> Limits:
 
 
 def delay_cycles(written: Written) -> int:
-    """Return d of one axis, P-AXIS-00191, 4 when not set; 0 counts as 1.
+    """Return d of one axis, P-AXIS-00191, 4 when not set. For lags that are judged 0 counts as 1
+    (`Cycles.judged`); the lag that is shown has it as it is written.
 
     Source: docs/ambiguities.md, "Two position lags".
     """
-    return max(int(_number(written, "antr.nbr_delay_cycles", 4)), 1)
+    return int(_number(written, "antr.nbr_delay_cycles", 4))
 
 
 def arming_mm(limits: Sequence[Limits], block_mm: float | None) -> float | None:
