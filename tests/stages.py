@@ -96,12 +96,30 @@ class Stages:
         self._stage: str | None = config.getoption("--stage")
         self._by_compiled: list[str] = config.getoption("--by-compiled").split()
         self._until: float | None = config.getoption("--until")
+        self._worker: str | None = getattr(config, "workerinput", {}).get("workerid")
         gc.disable()  # what is collected lives until the end: nothing is garbage before
 
+    @pytest.hookimpl(wrapper=True)
+    def pytest_make_collect_report(
+        self, collector: pytest.Collector
+    ) -> Generator[None, pytest.CollectReport, pytest.CollectReport]:
+        """Let a second worker read the files from the last one on.
+
+        On a fresh clone each of two workers so compiles half of the files, and finds the others
+        compiled.
+        """
+        report = yield
+        if self._worker == "gw1" and isinstance(collector, pytest.Directory):
+            report.result.reverse()
+        return report
+
+    @pytest.hookimpl(tryfirst=True)
     def pytest_collection_modifyitems(
         self, config: pytest.Config, items: list[pytest.Item]
     ) -> None:
-        """Deselect what the other stage runs."""
+        """Deselect what the other stage runs. All workers have the same order."""
+        if self._worker is not None:
+            items.sort(key=lambda item: item.path)
         if self._stage in (None, "all"):
             return
         plans = [
