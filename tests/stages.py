@@ -103,13 +103,9 @@ class Stages:
     def pytest_make_collect_report(
         self, collector: pytest.Collector
     ) -> Generator[None, pytest.CollectReport, pytest.CollectReport]:
-        """Let a second worker read the files from the last one on.
-
-        On a fresh clone each of two workers so compiles half of the files, and finds the others
-        compiled.
-        """
+        """Turn the order of what a folder has, where a worker reads it from the end."""
         report = yield
-        if self._worker == "gw1" and isinstance(collector, pytest.Directory):
+        if is_read_backwards(self._worker, collector):
             report.result.reverse()
         return report
 
@@ -174,6 +170,15 @@ class Stages:
         for folder, seconds in folders.most_common():
             if seconds >= 1:
                 terminalreporter.write_line(f"{seconds:7.0f} {folder}")
+
+
+def is_read_backwards(worker: str | None, collector: pytest.Collector) -> bool:
+    """Whether a worker of xdist reads a folder from its last file on: the second one does.
+
+    On a fresh clone each of two workers so compiles half of the files, and finds the others
+    compiled.
+    """
+    return worker == "gw1" and isinstance(collector, pytest.Directory)
 
 
 def is_left_to_compiled(item: pytest.Item, folders: Iterable[str]) -> bool:

@@ -13,6 +13,7 @@ from tests.stages import (
     TIME_IS_OVER,
     cpu_by_folder,
     is_left_to_compiled,
+    is_read_backwards,
     quick_rows,
     rows_of_every_metric,
     simulated_s,
@@ -110,6 +111,18 @@ def test_what_the_compiled_build_runs_is_left_out_but_for_what_it_skips(place, m
     item = SimpleNamespace(nodeid=f"{place}::test_a", get_closest_marker=marks.get)
     assert is_left_to_compiled(item, ["tests/machine", "tests/tools"]) is is_left
     assert not is_left_to_compiled(item, [])
+
+
+@pytest.mark.parametrize(
+    ("worker", "is_backwards"), [(None, 0), ("gw0", 0), ("gw1", 1), ("gw2", 0)]
+)
+def test_of_two_workers_the_second_reads_folders_from_the_last_file_on(
+    worker, is_backwards, request
+):
+    """Only folders: the tests of a file keep their order."""
+    module = request.node.getparent(pytest.Module)
+    assert is_read_backwards(worker, module.parent) == is_backwards
+    assert not is_read_backwards(worker, module)
 
 
 @pytest.mark.long
