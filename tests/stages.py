@@ -136,7 +136,6 @@ class Stages:
     def pytest_collection_finish(self) -> None:
         """Search for garbage seldom, and never in what was collected: it lives until the end."""
         gc.enable()
-        gc.collect()
         gc.freeze()
         gc.set_threshold(100_000, 20, 100)
 
