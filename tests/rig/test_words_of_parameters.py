@@ -113,9 +113,10 @@ def test_a_number_a_path_and_an_older_path_mean_one_row() -> None:
     assert one is not None
     assert named(one.path) is one
     assert all(named(path) is one for path in one.old_paths)
-    assert named("00759") is one
+    assert named("00759") is named("0759") is named("759") is one
+    assert named("9759") is None
     # P-AXIS-00016 and P-CHAN-00016 are two
-    assert named("00016") is None
+    assert named("00016") is named("16") is None
     of_axis, of_channel = named("P-AXIS-00016"), named("P-CHAN-00016")
     assert of_axis is not None
     assert of_channel is not None

@@ -34,12 +34,16 @@ def chosen(words: Sequence[str]) -> list[Parameter]:
 
 
 def named(word: str) -> Parameter | None:
-    """Return the one row that a number, a present or an older path means."""
+    """Return the one row that a number, a present or an older path means.
+
+    Of a number without its kind zeros in front may be missing: `774` is P-AXIS-00774.
+    """
     for kind in KINDS:
         row = table(kind).numbered(word) or table(kind).row(word)
         if row is not None:
             return row
-    short = [row for row in every_parameter() if row.number.endswith(f"-{word}")]
+    digits = f"-{word.zfill(5)}" if word.isdecimal() else f"-{word}"
+    short = [row for row in every_parameter() if row.number.endswith(digits)]
     return short[0] if len(short) == 1 else None
 
 
