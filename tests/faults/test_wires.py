@@ -307,3 +307,51 @@ def test_cycles_of_a_task_are_lost_and_late_on_off_and_on_again() -> None:
     trouble.begin_late(0, 50, random.Random(1))
     assert trouble.is_lost(20)
     assert {trouble.late_ns(at) for at in range(20, 900)} == set(range(51))
+
+
+def test_a_sensor_freezes_at_the_last_of_many_values_each_time() -> None:
+    """Its fault acts from 3 to 5 ms, and from 8 ms on."""
+    clock: Any = SimpleNamespace(now_ns=0)
+    fault = Freeze(clock)
+    found = []
+    for number in range(11):
+        clock.now_ns = number * MS
+        if number in (3, 8):
+            fault.span.end_ns = None
+            fault.begin()
+        if number == 5:
+            fault.end()
+        found.append(fault.seen_m(number * MS, 1.0 + number))
+    assert found == [1.0, 2.0, 3.0, 3.0, 3.0, 6.0, 7.0, 8.0, 8.0, 8.0, 8.0]
+
+
+def test_an_encoder_freezes_where_the_axis_is_at_that_instant() -> None:
+    """The plant had been stepped to 4 ms; the fault begins at 10 ms."""
+    clock: Any = SimpleNamespace(now_ns=4 * MS)
+    stepped = [4 * MS]
+    axis: Any = SimpleNamespace(
+        advance_to=stepped.append,
+        motor_velocity_m_s=lambda: -0.02,
+        motor_position_m=lambda: -0.02 * stepped[-1] / S,
+    )
+    wire = EncoderWire(axis, clock, lambda _time, seen_m: seen_m)
+    clock.now_ns = 10 * MS
+    wire.begin_freeze()
+    assert stepped[-1] == 10 * MS
+    clock.now_ns = stepped[-1] = 12 * MS
+    assert wire.motor_position_m() == pytest.approx(-0.02 * 0.010)
+    clock.now_ns = 15 * MS
+    wire.lose(1e-5)  # the way of the same direction, counted from the same instant
+    assert (stepped[-1], wire.offset_m) == (15 * MS, -1e-5)
+
+
+@pytest.mark.parametrize("seed", [1, 2, 77])
+def test_a_task_is_late_by_what_its_own_fault_draws(seed: int) -> None:
+    """Each fault has a random sequence of its own; the one of before counts no more."""
+    clock: Any = SimpleNamespace(now_ns=0)
+    trouble = TaskFault(clock)
+    for each in (0, seed, seed + 1):
+        trouble.begin_late(100, 50_000, random.Random(each))
+        drawn = random.Random(each)
+        expected = [100 + drawn.randint(0, 50_000) for _ in range(5)]
+        assert [trouble.late_ns(at) for at in range(5)] == expected

@@ -165,3 +165,39 @@ def test_drives_that_nobody_leads_any_more_are_let_go_and_no_others() -> None:
     CanBuses.let_go(buses, ["Z", "X"])
     assert networks["can1"].sent == [(0, bytes([128, 1]))]
     assert networks["can2"].sent == [(0, bytes([128, 3]))]
+
+
+@pytest.mark.parametrize("attempts", [1, 2, 4])
+def test_a_question_by_sdo_is_begun_as_often_as_the_rig_has_it(attempts: int) -> None:
+    """Each time for sdo_timeout_ms; then the server of the drive counts as silent."""
+    keys = f"drive:servo.sdo_attempts={attempts}", "drive:servo.sdo_timeout_ms=30"
+    settings = settings_of("probe-z.toml", *keys)
+    networks, clock = {name: Network() for name in settings.segment}, new_scheduler()
+    link = build_links(settings, networks, clock)["Z"]
+    answers = list[Any]()
+    assert link.sdo is not None
+    link.sdo.read(0x1000, 0, answers.append)
+    (network,) = networks.values()
+    request = (0x600 + link.node_id, bytes.fromhex("4000100000000000"))
+    clock.run_until(attempts * 30 * MS - 1)
+    assert (network.sent.count(request), answers) == (attempts, [])
+    clock.run_until(attempts * 30 * MS)
+    assert (network.sent.count(request), len(answers)) == (attempts, 1)
+
+
+def test_drives_of_one_bus_share_its_room_for_sdo_and_no_others(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A transfer at standstill waits until every axis of its own bus is at rest."""
+    text = '[axis.Z]\nsegment = "can1"'
+    settings = settings_of(above(tmp_path, "probe-xyz.toml", text))
+    shared = list[Any]()
+    monkeypatch.setattr(
+        "axisrig.bench.machine.canopen.links.StandstillRoom",
+        lambda links: shared.append(links) or SimpleNamespace(),
+    )
+    networks = {name: Network() for name in settings.segment}
+    build_links(settings, networks, new_scheduler())
+    found = {name: [link.name for link in links] for name, links in zip(networks, shared,
+             strict=True)}  # fmt: skip
+    assert found == {"can1": ["X", "Z"], "can2": ["Y"], "can3": []}

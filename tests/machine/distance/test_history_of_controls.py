@@ -235,3 +235,12 @@ def test_diagnosis_data_are_those_of_each_change_and_of_the_end() -> None:
     plain = Channel("Z")
     plain.cycle()
     assert (plain.log.dumps(plain), plain.log.guides) == ((), ())  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize("names", [("Z", "X"), ("X", "Z"), ("Z", "A", "X")])
+def test_axes_with_a_control_are_in_the_order_of_the_channel(names: tuple[str, ...]) -> None:
+    """That of the channel itself, 3D control, is none of them."""
+    made = Channel(*names, whole=True)
+    made.cycle()
+    made.cycle(CHANNEL, state=ON)
+    assert made.log.axes == list(names)

@@ -95,6 +95,11 @@ def test_3d_control_has_the_tool_and_what_is_superposed_on_each_axis() -> None:
     assert found[f"{CHANNEL}.tilt_deg"] == [30.0]
     assert found[f"{CHANNEL}.tool_length_mm"] == [None]
     assert (found["Z.superposed_mm"], found["A.superposed_deg"]) == ([0.125], [0.0])
+    down = sensing(10.0)
+    down.deltas_mm = {"A": -0.5, "Z": -0.125}
+    trace.note(channel(down, Z=sensing(30.0)))
+    found = columns(trace)
+    assert (found["Z.superposed_mm"], found["A.superposed_deg"]) == ([-0.125], [-0.5])
     plain = DistanceTrace()
     plain.note(channel(Z=sensing(1.0)))
     assert not any("superposed" in name or CHANNEL in name for name in columns(plain))
