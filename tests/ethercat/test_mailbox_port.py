@@ -387,3 +387,16 @@ def test_a_repeat_that_is_lost_too_gives_up_that_answer_and_not_the_next_one(mad
     made.line.taken(bytes((SM_FULL,)))  # the first look at the mailbox: full
     made.line.taken(answer_of(b"next"))
     assert made.handed_on == [(MailboxType.COE, b"next")]
+
+
+@pytest.mark.parametrize("full", [1, 2, 5])
+def test_a_mailbox_that_stays_full_gets_the_message_when_it_is_empty(made: Port, full: int) -> None:
+    """No frame was lost: that nobody takes it shows each time that the slave has it not."""
+    made.send(b"one", b"two")
+    for _ in range(full):
+        assert made.line.written == [b"one"]
+        made.line.refused()
+        made.wait(0.2)
+    assert made.line.written == [b"one"]
+    made.line.taken()
+    assert made.line.written == [b"two"]

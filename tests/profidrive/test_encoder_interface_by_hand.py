@@ -163,3 +163,16 @@ def test_a_sign_of_life_of_0_is_none() -> None:
         except Alarm as alarm:
             alarms.append(alarm.id)
     assert alarms == [0, 0, 900764, 900764]
+
+
+@pytest.mark.parametrize("missing_max", [1, 3])
+def test_telegrams_may_stay_out_again_and_again_if_not_too_often_in_a_row(missing_max: int) -> None:
+    """Each one that comes begins the count anew."""
+    bus = Bus(replace(SETTINGS, missing_cycles=missing_max))
+    for _ in range(4):
+        bus.cycle(0.0)
+        for _ in range(missing_max):
+            bus.cycle(0.0, is_new=False)
+    with pytest.raises(Alarm) as silent:
+        bus.cycle(0.0, is_new=False)
+    assert (silent.value.id, silent.value.values["cycles"]) == (900764, missing_max + 1)

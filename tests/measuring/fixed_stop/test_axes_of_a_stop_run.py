@@ -73,3 +73,13 @@ def test_a_window_of_no_whole_number_of_cycles_is_rounded_up(time_us: int, holds
     for cycle in range(10):
         detector.take(cycle * MS, 0.0, 0.04 * cycle, is_armed=True)
     assert (detector.window_ns is not None) is holds
+
+
+@pytest.mark.parametrize("is_found", [True, False])
+def test_the_axes_of_the_motion_are_led_back_and_no_others(stage: Make, is_found: bool) -> None:
+    """X moves, Y measures with it: what is led back is where X is, with a stop and without."""
+    axes = Axis("X", stop_mm=5.0 if is_found else 1e9, running_mm=0.004), Axis("Y")
+    run = stage(*axes, target={"X": 20.0}, is_error=False).finish()
+    assert set(run.targets_mm) == {"X"}
+    assert run.targets_mm["X"] == pytest.approx(5.0 if is_found else 20.0)
+    assert set(run.record.latched_mm) == ({"X", "Y"} if is_found else set())
