@@ -72,6 +72,13 @@ def test_a_damped_stop_has_a_band_for_what_is_latched() -> None:
         (block,) = stop_findings(recorded(plant=damped, columns={"stop_mm": path}))
         (latched,) = [value for value in block.values if value.key == "latched"]
         assert (latched.low, latched.note) == (None, "the stop moves")
+    for way_mm in (0.04, -0.04):  # it has come to rest again where it was detected
+        path = STOP_MM + way_mm * np.clip((K - 150) / 20.0, 0.0, 1.0)
+        (block,) = stop_findings(recorded(plant=damped, columns={"stop_mm": path}))
+        (latched,) = [value for value in block.values if value.key == "latched"]
+        assert (latched.low, latched.high) == pytest.approx(
+            (low + way_mm - 0.001, high + way_mm + 0.001)
+        )
     short = {DETECT + "min_time": 9_000}
     (block,) = stop_findings(recorded(plant=damped, written=short))
     (latched,) = [value for value in block.values if value.key == "latched"]

@@ -59,6 +59,23 @@ def test_an_axis_that_turns_within_a_step_was_farthest_there(v_mm_s: float, side
 
 
 @pytest.mark.parametrize("side", [1.0, -1.0])
+@pytest.mark.parametrize(("first", "second"), [(0.25, 0.75), (0.1, 0.6), (-0.5, 0.3), (0.4, 2.0)])
+def test_a_cubic_was_farthest_where_it_turns(first: float, second: float, side: float) -> None:
+    """v = 6 (t - first) (t - second) in steps; from one turn, or one end, to the others."""
+
+    def x(t: Any) -> Any:
+        return side * (2.0 * t**3 - 3.0 * (first + second) * t**2 + 6.0 * first * second * t)
+
+    ends = np.array([0.0, 1.0])
+    goes = motion(TIMES_NS[:2], x(ends), side * 6.0 * (ends - first) * (ends - second) / 1e-3)
+    places = np.append(ends, [t for t in (first, second) if 0.0 < t < 1.0])
+    for start in x(places):
+        found = goes.farthest(float(start), 0, MS)
+        assert found is not None
+        assert found.value == pytest.approx(np.max(np.abs(x(places) - start)), abs=1e-12)
+
+
+@pytest.mark.parametrize("side", [1.0, -1.0])
 def test_a_look_that_ends_at_a_sync_has_nothing_of_the_step_behind_it(side: float) -> None:
     """The speed jumps behind row 12: what is in doubt there is no part of what ended there."""
     v = np.where(np.arange(ROWS) <= 12, 10.0, 40.0 + 9.0 * (-1.0) ** np.arange(ROWS))

@@ -18,6 +18,7 @@ from axisrig.bench.judge.run_findings import STOPPED
 from axisrig.bench.plan.case import Case
 from axisrig.bench.plan.checks import parse_check
 from axisrig.bench.plan.expectation import EXPECTED, NOT_MET
+from axisrig.bench.plan.plan import read_plan
 from axisrig.bench.plan.verdict import Verdict
 from axisrig.bench.record.bus import BusFigures
 from axisrig.kernel.errors import UserError
@@ -102,6 +103,23 @@ def test_a_run_is_judged_by_its_checks_and_by_what_was_expected_of_it(
         assert (note == words) is (name in expected)
     assert result.error == (STOPPED if is_stopped else None)
     assert result.facts is left
+
+
+def test_a_run_gives_the_values_of_a_metric_of_the_user_to_the_statistics_of_its_case(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    for name in ("a.nc", "r.toml"):
+        (tmp_path / name).touch()
+    own = "def metric_width(recording):\n    return 2.5, 'mm', 0.125\n"
+    (tmp_path / "own.py").write_text(own, encoding="utf-8")
+    text = "case,program,rig,module,repeats,check:mean(width)\na,a.nc,r.toml,own.py,2,<= 3\n"
+    (tmp_path / "p.csv").write_text(text, encoding="utf-8")
+    series = kept(pa.table({"time_ns": np.arange(5) * MS}))
+    monkeypatch.setattr(runner, "_left_by", lambda *_: (facts(), series, 0.25))
+    for case in read_plan(tmp_path / "p.csv").cases:
+        result = run_case(case, RunFiles())
+        (reading,) = result.samples["mean(width)"]
+        assert (reading.metric.value, reading.metric.uncertainty) == (2.5, 0.125)
 
 
 @pytest.mark.parametrize(("named", "written"), [("", "rigs/r.toml"), ("other.toml", "other.toml")])

@@ -102,6 +102,16 @@ def test_of_many_runs_what_did_not_pass_is_printed_and_of_few_each(
     assert all(run in few for run in ("p-good", "p-bad1", "p-bad2", "p-bad3"))
 
 
+@pytest.mark.parametrize("verdict", list(Verdict))
+def test_of_many_runs_one_is_printed_that_neither_passed_nor_is_marginal(
+    verdict: Verdict, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """A marginal value is within its limits; it stands in the count below."""
+    show_verdicts(many(result("one", 0.5, verdict=verdict)))
+    is_printed = verdict not in (Verdict.PASS, Verdict.MARGINAL)
+    assert ("p-one" in capsys.readouterr().out) is is_printed
+
+
 def test_a_row_counts_its_runs_and_the_checks_that_passed(
     capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:

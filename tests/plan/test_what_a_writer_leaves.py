@@ -1,6 +1,7 @@
 """What a run leaves in its row and its file: why it ended, how many runs a row is over, probes."""
 
 import json
+import shutil
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -131,6 +132,25 @@ def test_a_row_over_several_runs_has_how_many_these_are(mixed: Plan, tmp_path: P
              for run in read_results(tmp_path / "out").runs}  # fmt: skip
     assert {run for run, (is_statistic, _) in kinds.items() if is_statistic} == {"r", "w", "s"}
     assert {run for run, (_, is_probe) in kinds.items() if is_probe} == {"s-s01", "s-s02", "s-s03"}
+
+
+def test_a_row_over_runs_of_several_programs_or_rigs_names_none(
+    write_plan: PlanWriter, tmp_path: Path
+) -> None:
+    """What all runs have is that of the row."""
+    path = write_plan(
+        "case,program,rig,check:mean(lag_mm_max:Z)\n"
+        "p,[probe.nc | other.nc],machine.toml,<= 2\n"
+        "r,probe.nc,[machine.toml | other.toml],<= 2\n"
+    )
+    for kind in ("probe.nc", "machine.toml"):
+        here = path.parent / kind
+        shutil.copy(here, here.with_stem("other"))
+    found = written(read_plan(path), tmp_path / "out")
+    assert [(row["program"], row["rig"]) for row in found.values()] == [
+        *(("probe.nc", "machine.toml"), ("other.nc", "machine.toml"), ("", "machine.toml")),
+        *(("probe.nc", "machine.toml"), ("probe.nc", "other.toml"), ("probe.nc", "")),
+    ]
 
 
 def test_a_row_over_several_runs_has_what_all_of_these_share(mixed: Plan, tmp_path: Path) -> None:

@@ -154,6 +154,12 @@ def test_the_signal_of_a_picture_is_that_of_the_limits_or_the_position_of_the_ax
     assert height_of(picture(table, description, "latch_deg:C")) == 4.0
 
 
+def test_a_limit_is_named_with_all_its_digits() -> None:
+    limit = [{"plot": "lag", "label": "lag_mm_max:Z", "value": 1234.567}]
+    table, description = by_hand(limits=limit)
+    assert ">limit 1234.567</text>" in picture(table, description, "lag_mm_max:Z")
+
+
 def test_the_window_that_opens_is_drawn_with_what_happened_in_it() -> None:
     """From 200 to 400 ms; with limits the whole run. Marks at one place are one."""
     windows = [{"start_ns": 0, "end_ns": 100 * MS}, {"start_ns": 200 * MS, "end_ns": 400 * MS}]
