@@ -37,11 +37,6 @@ CLASSES = """
     m := {{cos(a), -sin(a)}, {sin(a), cos(a)}};
     v := m*u;
   end rotated;
-  function folds
-    input Real u[:]; output Real v[4];
-  algorithm
-    v := {sum(u), product(u), min(u), max(u)};
-  end folds;
   function external_one
     input Real u; output Real v;
   external "C" v = foreign(u);
@@ -81,19 +76,6 @@ def test_array_function(plant):
     fmu.step(0.5)
     assert fmu.x == pytest.approx(2, abs=1e-15)
     assert fmu.y == pytest.approx(5 * math.cos(0.5), rel=1e-14)
-
-
-def test_an_array_in_a_function_has_one_sum_product_smallest_and_largest_element(plant):
-    """All of one sign: 0 and 1 are no elements. At 0.5 s: 1, 1.5, 2.5 and the same negative."""
-    names = ("total", "whole", "least", "most")
-    declaration = "Real v[4]; Real w[4];" + "".join(f"Real {n}; Real minus_{n};" for n in names)
-    equation = "v = folds(time*{2, 3, 5}); w = folds(-time*{2, 3, 5}); y = 0; x = 0; n = 0;"
-    for place, name in enumerate(names, start=1):
-        equation += f"{name} = v[{place}]; minus_{name} = w[{place}];"
-    fmu = plant(equation, declaration, CLASSES)
-    fmu.step(0.5)
-    assert [getattr(fmu, name) for name in names] == [5.0, 3.75, 1.0, 2.5]
-    assert [getattr(fmu, f"minus_{name}") for name in names] == [-5.0, -3.75, -2.5, -1.0]
 
 
 def test_external_function_is_refused_with_its_name(plant):
