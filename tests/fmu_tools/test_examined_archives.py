@@ -34,8 +34,8 @@ def sum_of(path: Path) -> str:
 
 @pytest.mark.parametrize("description", [MODEL, BROKEN])
 def test_the_size_of_an_archive_is_that_of_what_is_in_it(pack: Pack, description: bytes) -> None:
-    """1.5 MiB of zeros are packed into few bytes."""
-    path = pack(("resources/a.bin", bytes(3 << 19)), ("resources/b.txt", b""),
+    """1 MiB and 0.5 MiB of zeros are packed into few bytes."""
+    path = pack(("resources/a.bin", bytes(1 << 20)), ("resources/b.txt", bytes(1 << 19)),
                 description=description)  # fmt: skip
     assert path.stat().st_size < 1 << 16
     found = examine(path)
