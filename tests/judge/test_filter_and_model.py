@@ -174,6 +174,20 @@ def test_the_model_stands_while_it_is_held_or_frozen_and_goes_on() -> None:
     assert found == pytest.approx(0.0, abs=1e-9)
 
 
+@pytest.mark.parametrize("by", ["NC", "PLC"])
+def test_the_model_goes_on_from_where_a_freeze_has_left_the_offset(by: str) -> None:
+    """One of the program still makes the step of its own cycle, one of the PLC side none."""
+    frozen = (K >= 500) & (K < 600)
+    state = np.where(K < ON, INACTIVE, np.where(frozen, FREEZE, ACTIVE_CONST_DIST)).astype(float)
+    orders = (WITH_CONST_DIST, DistanceOrder(500 * MS, by, "FREEZE"),
+              DistanceOrder(600 * MS, "PLC", "ON_CONST_DIST"))  # fmt: skip
+    steps = (K >= ON) & ~(frozen & (500 + (by == "NC") <= K))
+    found = modelled(steps, orders=orders, columns={"distance_state": state})
+    assert found == pytest.approx(0.0, abs=1e-9)
+    missing = modelled(steps & (K != 700), orders=orders, columns={"distance_state": state})
+    assert missing == pytest.approx(STEP_MM * 1e3)
+
+
 def test_a_word_of_the_program_acts_in_the_model_from_the_cycle_after_it_on() -> None:
     """kp is doubled in row 400: from 401 on two steps a cycle."""
     offset = grown(K >= ON) + grown(K > 400)

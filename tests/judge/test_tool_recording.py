@@ -291,6 +291,12 @@ def test_a_measured_place_of_the_tool_is_compared_with_that_of_the_contact() -> 
     assert turned.value == pytest.approx(lever_um * math.radians(0.01), rel=1e-6)
 
 
+@pytest.mark.parametrize(("axis", "place_mm"), [("X", 5.0), ("Y", 6.0), ("Z", 7.0)])
+def test_a_measured_place_may_be_zero(axis: str, place_mm: float) -> None:
+    found = seen(measured({**dict.fromkeys(AXES, 0.0), axis: -place_mm}), "tcp_latch_error_um")
+    assert found.value == pytest.approx(place_mm * 1e3)
+
+
 def test_without_a_place_or_a_contact_there_is_no_error_of_it() -> None:
     exact = dict.fromkeys(AXES, 0.0)
     some = {name: 0.0 for name in AXES if name not in "YA"}

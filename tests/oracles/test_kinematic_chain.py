@@ -120,3 +120,24 @@ def test_the_coordinate_of_a_slide_stays_where_it_goes_with_the_tool(
     pose = (10.0, 20.0, 30.0, -15.0, 40.0, 25.0)
     before, after = on_slides(1, priority, locked).tool([[*pose, 30.0], [*pose, 130.0]])
     assert after - before == pytest.approx((100, 0, 0, 0, 0, 0, by_mm), abs=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("c_deg", "a_deg", "place_mm"),
+    [
+        (0.0, 0.0, (30.0 + 7.0, 20.0 + 8.0 + 9.0, -2.0 - 100.0 - 80.0)),
+        (90.0, 0.0, (7.0 - 20.0 - 9.0, 8.0 + 30.0, -2.0 - 100.0 - 80.0)),
+        # The lever of A and the tool lie along -Y then, HD9 stands up
+        (0.0, -90.0, (30.0 + 7.0, 20.0 + 8.0 - 180.0, -2.0 - 9.0)),
+    ],
+)
+def test_each_offset_of_a_head_has_its_axis_and_turns_with_what_is_above_it(
+    c_deg: float, a_deg: float, place_mm: tuple[float, float, float]
+) -> None:
+    """HD1 100 and HD2 2 down, HD5 20 in Y and HD6 30 in X turn with C, HD9 9 with A; HD7 7 and HD8
+    8 stay.
+    """
+    sizes = {1: 100, 2: 2, 5: 20, 6: 30, 7: 7, 8: 8, 9: 9}
+    written = {f"kinematik[9].param[{number - 1}]": 1e4 * mm for number, mm in sizes.items()}
+    found = Chain((9,), written, {}, 80.0).tool([[0.0, 0.0, 0.0, c_deg, a_deg]])
+    assert found[0, :3] == pytest.approx(place_mm, abs=1e-9)

@@ -90,3 +90,23 @@ def test_a_wheel_has_them_inside_the_package(
     (tmp_path / "documents" / "index.md").unlink()
     with pytest.raises(UserError, match="documents are missing"):
         documents.folder()
+
+
+@pytest.mark.parametrize(
+    ("text", "title"),
+    [
+        ("# One\n\n## Part\n", "One"),
+        ("A word before.\n\n## Part\n\n# One\n\n# Two\n", "One"),
+        ("#no title\n# One # two\n", "One # two"),
+        ("## Part\n\nwithout one\n", ""),
+        ("", ""),
+    ],
+)
+def test_the_title_of_a_page_is_its_first_heading_of_the_highest_level(
+    text: str, title: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(documents.resources, "files", lambda _: tmp_path)
+    (tmp_path / "documents").mkdir()
+    (tmp_path / "documents" / "index.md").write_text(text, encoding="utf-8")
+    assert documents.pages() == {"index": title}
+    assert documents.listing().splitlines() == [str(tmp_path / "documents"), f"index  {title}"]

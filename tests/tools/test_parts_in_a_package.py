@@ -15,6 +15,7 @@ from axisrig.bench.tools.rig_export.parts import Part, _part, _refuse
 from axisrig.kernel.errors import UserError
 
 SERVO, PROBE = "AxisRig.Drives.ServoAxis", "AxisRig.Sensors.TouchProbe"
+OF_A_WORKPIECE, SENSOR = "AxisRig.Sensors.WorkpieceProbe", "AxisRig.Sensors.DistanceSensor"
 
 
 @pytest.mark.interpreted
@@ -88,6 +89,9 @@ def table(model: str = SERVO, *, lead_mm: float | None = None, **wire: str) -> A
          ["plant p is wired to z, a rotary axis"]),
         ({"z": table("AxisRig.Drives.KinematicAxis"), "p": table(PROBE, z="z")}, STEP,
          ["plant p: the compiler takes no touch probe on z, a KinematicAxis"]),
+        ({"z": table("AxisRig.Drives.KinematicAxis"), "p": table(OF_A_WORKPIECE, z="z")}, STEP,
+         ["plant p: the compiler takes no touch probe on z, a KinematicAxis"]),
+        ({"z": table("AxisRig.Drives.KinematicAxis"), "p": table(SENSOR, z="z")}, STEP, []),
         ({"z": table(), "p": table(PROBE, z="z")}, STEP[:1],
          ["plant p: AxisRig.Sensors.TouchProbe is wired and reads no motion of an axis"]),
         ({"z": table("a/One.mo"), "y": table("b/Two.mo"), "p": table("c.fmu")}, STEP,
