@@ -1,8 +1,10 @@
 """From IDs, lists and what a program wrote to a kinematic; what is refused and why."""
 
+import math
 from collections.abc import Mapping, Sequence
 
 import pytest
+from tests.kinematics.machines import MACHINES, ROBOT_HD
 
 from axisrig.kernel.errors import Alarm, UserError
 from axisrig.kernel.kinematics import (
@@ -245,3 +247,18 @@ def test_only_an_extension_follows_another_kinematic(first: int, second: int) ->
         _build([first, second])
     assert refused.value.id == 900441
     assert f"only 98 is a second step and {second} is" in str(refused.value.values["reason"])
+
+
+@pytest.mark.parametrize("number", [7, 10])
+def test_what_the_program_wrote_for_the_robot_of_a_group_counts_in_the_group(number: int) -> None:
+    """HD7 and HD10 of kinematic 2, a robot on the slide of kinematic 210: 1 mm more."""
+    lists = MACHINES["210 slide first"]
+    index = number - 1
+    own_mm = ROBOT_HD[index]
+    plain = lists.kernel()
+    written = _build([210], lists.text, {(0, 2, index): (own_mm + 1.0) * 1e4}, tool_mm=80.0)
+    pose = (10.0, 20.0, -30.0, 40.0, 50.0, 60.0, 100.0)
+    before, after = plain.forward(pose)[:3], written.forward(pose)[:3]
+    assert math.dist(before, after) == pytest.approx(1.0)
+    same = _build([210], lists.text, {(0, 2, index): own_mm * 1e4}, tool_mm=80.0)
+    assert same.forward(pose) == pytest.approx(plain.forward(pose))
