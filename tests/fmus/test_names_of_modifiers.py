@@ -164,3 +164,48 @@ def test_a_short_class_has_modifiers_too(keyword: str) -> None:
     look_at(text.replace("offsett", "offset"), *of("o"))
     # The words of a type are its attributes, which are not looked at here
     look_at("model M\n  type Length = Real(unitt = 1);\n  Length x;\nend M;\n", "x")
+
+
+@pytest.mark.parametrize("keyword", ["model", "function", "record"])
+@pytest.mark.parametrize(
+    ("declared", "wrong"),
+    [
+        ("Pair p(redeclare {} K = Other,\n  lefft = 1);", "lefft"),
+        ("Pair p(left(gain = 1), redeclare {} K = Other,\n  lefft = 1);", "lefft"),
+        ("Pair p(redeclare {} K = Other, left(gain = 1,\n  offsett = 2));", "offsett"),
+        (
+            "Pair p(redeclare {} K = Lib.Other, redeclare {} L = Part,\n  lefft = 1);",
+            "lefft",
+        ),
+        ("Pair p(redeclare {} K = Other(gain = 2), left(\n  gian = 2));", "gian"),
+        # what is declared behind it
+        ("Pair p(redeclare {} K = Other);\n  Pair q(\n lefft = 1);", "lefft"),
+        ("Pair p(redeclare {} K = Other), q(\n  lefft = 1);", "lefft"),
+        ("extends Pair(redeclare {} K = Other,\n  lefft = 1);", "lefft"),
+        ("replaceable {} K = Other;\n  Pair p(\n  lefft = 1);", "lefft"),
+    ],
+)
+def test_names_behind_a_class_of_a_list_are_looked_at(
+    declared: str, wrong: str, keyword: str
+) -> None:
+    """A class that a modifier puts in ends with its element, not with the statement."""
+    text = f"model M\n  {declared.replace('{}', keyword)}\nend M;\n"
+    variables = [*PAIR, *(name.replace("p.", "q.", 1) for name in PAIR), *of("left", "right[1]")]
+    file, line, message = refused(text, *variables)
+    assert (file, line) == ("M.mo", text[: text.index(wrong)].count("\n") + 1)
+    assert message.startswith(f"there is no {wrong} to modify")
+
+
+@pytest.mark.parametrize(
+    "declared",
+    [
+        "Pair p(redeclare model K = Other, left(gain = 1), redeclare Part left);",
+        "Pair p(redeclare model K = Other(anything = 1), left(gain = 1));",
+        "replaceable model K = Other(anything = 1);\n  Pair p(left(gain = 1));",
+        # of a class that the model does not use
+        "model K\n  Real x;\n  Part p(lefft = 1);\n  end K;\n  Pair p(left(gain = 1));",
+        "replaceable model K = Part(lefft = 1);\n  Pair p(left(gain = 1));",
+    ],
+)
+def test_right_names_beside_a_class_of_a_list_pass(declared: str) -> None:
+    look_at(f"model M\n  {declared}\nend M;\n", *PAIR)

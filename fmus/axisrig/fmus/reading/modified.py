@@ -181,11 +181,20 @@ def _list(
 
 
 def _without_inner(code: str) -> str:
-    """Blank classes inside a class, and its head."""
+    """Blank classes inside a class, and its head.
+
+    A class in brackets is redeclared by a modifier, and others follow it in its list.
+    """
     head = re.match(r"\w+\s+\w+", code)
     begin = head.end() if head else 0
-    rest = _INNER.sub(lambda found: re.sub(r"[^\n]", " ", found[0]), code[begin:])
-    return re.sub(r"[^\n]", " ", code[:begin]) + rest
+    rest = code[begin:]
+
+    def blank(found: re.Match[str]) -> str:
+        before = rest[: found.start()]
+        is_modifier = before.count("(") > before.count(")")
+        return found[0] if is_modifier else re.sub(r"[^\n]", " ", found[0])
+
+    return re.sub(r"[^\n]", " ", code[:begin]) + _INNER.sub(blank, rest)
 
 
 def _split(text: str, sign: str = ",") -> Iterator[tuple[int, str]]:
