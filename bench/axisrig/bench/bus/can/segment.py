@@ -205,23 +205,31 @@ class Segment(Traffic):
     def cut(self, port: Controller) -> None:
         """End what `port` is sending, for it has no power any more; it calls this.
 
-        The line stays recessive: six bits later the others see a stuff error. Once the check sum
-        is out, nothing is missing.
+        The line stays recessive, unless another sends the same bits: six bits later the others
+        see a stuff error, or an error that was due before. Once the check sum is out, nothing is
+        missing.
         """
         self._recovery.remove(port)
         line = self._line
-        if line.current is None or line.current[0] is not port:
+        if line.current is None:
             return
-        _, request, start_ns, bits, odd = line.current
-        if odd is not None and odd.is_error:
+        sender, request, start_ns, bits, odd = line.current
+        odd = odd or Disturbance()
+        senders = (sender, *(partner for partner, _ in odd.partners))
+        if port not in senders or any(p.takes_part for p in senders if p is not port):
             return
+        if odd.is_cut or odd.is_unacknowledged:
+            return
+        if odd.is_error:  # up to the bit that fails
+            bits -= DELIMITER_BITS + _flag_bits(odd)
         now_ns = self.scheduler.now_ns
         sent = -(-(now_ns - start_ns) * self.bitrate // S)
-        if sent <= bits - TAIL_BITS:
+        whole = self._lengths[request[4]] - IFS_BITS
+        if sent <= whole - TAIL_BITS and sent + FLAG_BITS < bits:
             self.scheduler.cancel(line.end)
             sent += FLAG_BITS + FLAG_BITS + DELIMITER_BITS
             cut = Disturbance(is_error=True, is_cut=True)
-            line.current = (port, request, start_ns, sent, cut)
+            line.current = (sender, request, start_ns, sent, cut)
             end_ns = start_ns + self._duration_ns[sent]
             line.end = self.scheduler.call_at(end_ns, Phase.DELIVERY, self._end_of_error)
 
@@ -319,7 +327,6 @@ class Segment(Traffic):
             self.scheduler.call_at(end_ns, Phase.DELIVERY, deliver)
         if seen_by is not None and all(port.port_name in seen_by for port in self._line.live):
             seen_by = None
-        bits += FLAG_BITS if seen_by is None or is_late else SUPERPOSED_FLAG_BITS
         odd = Disturbance(
             is_error=True,
             is_late=is_late,
@@ -327,7 +334,7 @@ class Segment(Traffic):
             seen_by=seen_by,
             is_unacknowledged=is_unacknowledged,
         )
-        self._start(sender, request, bits + DELIMITER_BITS, odd)
+        self._start(sender, request, bits + _flag_bits(odd) + DELIMITER_BITS, odd)
 
     # --- the wire --------------------------------------------------------------------------------
 
@@ -347,7 +354,7 @@ class Segment(Traffic):
     def _deliver_only(self, senders: Sequence[Controller], request: Request) -> None:
         """Deliver a frame whose sender sees an error in its very last bit, and will repeat it."""
         current = self._line.current
-        if current is None or current[1] != request:
+        if current is None or current[4] is None or current[4].is_cut or current[1] != request:
             return  # cut short meanwhile
         frame, now_ns = request[4], self.scheduler.now_ns
         self._meter.count_frame(frame[0], frame[2], current[2] - request[2])
@@ -423,3 +430,7 @@ class Segment(Traffic):
         """Let those who have just sent and are error passive wait longer than the others."""
         self._suspended = passive(senders)
         self._suspended_until_ns = self._line.free_ns + self._duration_ns[SUSPEND_BITS]
+
+
+def _flag_bits(odd: Disturbance) -> int:
+    return FLAG_BITS if odd.seen_by is None or odd.is_late else SUPERPOSED_FLAG_BITS
