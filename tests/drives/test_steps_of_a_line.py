@@ -289,6 +289,38 @@ def test_a_terminal_has_its_registers_in_the_image_and_nothing_else(bench: Bench
     assert bench.log == [(FPWR, 1003, FMMU, fmmu(30, 16, 0x9A0, 1))]
 
 
+def test_each_terminal_has_its_own_place_in_the_image(bench: Bench) -> None:
+    """Places of terminals come after those of all drives, in the order of the line."""
+    bench.master.image.registers = [30, 46, 50]
+    for node, first, size in ((4, 0x1000, 4), (5, 0x9A8, 8)):
+        settings = RegisterInputs(axis=f"T{node}", node_id=node, first=first, size=size, writes=())
+        bench.slaves.append(Starting(settings, None, None))
+    bench.start = LineStart(bench.master, bench.clock, bench.slaves)
+    for slave in bench.slaves[2:]:
+        slave.described = described(())
+        bench.run(bench.start._map(slave))
+    assert bench.log == [
+        (FPWR, 1003, FMMU, fmmu(30, 16, 0x9A0, 1)),
+        (FPWR, 1004, FMMU, fmmu(46, 4, 0x1000, 1)),
+        (FPWR, 1005, FMMU, fmmu(50, 8, 0x9A8, 1)),
+    ]
+
+
+def test_the_line_begins_once_whoever_begins(bench: Bench) -> None:
+    """Each drive has its own end; the steps of the line are taken by the first of them."""
+    begun: list[Any] = []
+    start: Any = bench.start
+    start._stepper = SimpleNamespace(run=begun.append)
+    ends: list[tuple[str, Alarm | None]] = []
+    for number, axis in enumerate("XY"):
+        bench.start.begin(number, lambda alarm, axis=axis: ends.append((axis, alarm)))
+    assert len(begun) == 1
+    alarm = Alarm(900701, segment="ec1", found=1, expected=3)
+    start._fail(bench.slaves[1], alarm)
+    start._fail(bench.slaves[0], alarm)
+    assert ends == [("Y", alarm), ("X", alarm)]
+
+
 def test_a_terminal_gets_all_of_its_registers_in_their_order(bench: Bench) -> None:
     """Of a terminal that stamps: how each of its two inputs latches (09A8 and 09A9)."""
     writes = (("LATCH1_CONTROL", b"\1"), ("LATCH0_CONTROL", b"\3"), ("ACTIVATION", b"\0"))

@@ -263,6 +263,12 @@ def test_a_copy_may_be_set_further_without_changing_what_it_was_made_of() -> Non
     copy.set("kenngr.messachse", "0", "set:Z.kenngr.messachse")
     copy.load("kenngr.dist_ctrl[0].kp", "2.5", Origin("other.lst", 2, 1))
     assert (read.flag("kenngr.messachse"), copy.flag("kenngr.messachse")) == (True, False)
+    # Neither was resolved before: what one has is not what the other has
+    kp = "kenngr.dist_ctrl[0].kp"
+    assert (read.get(kp), copy.get(kp)) == (1.0, 2.0)  # 2.5 is above the largest
+    read.set("kenngr.messachse", "0", HERE)
+    copy.set("kenngr.messachse", "1", HERE)
+    assert (read.flag("kenngr.messachse"), copy.flag("kenngr.messachse")) == (False, True)
     assert (read.corrected(), len(copy.corrected())) == ([], 1)
     assert read.is_written_as("kenngr.distc.")
     assert not read.is_written_as("kenngr.dist_ctrl[0].")

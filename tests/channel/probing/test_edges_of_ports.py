@@ -195,6 +195,26 @@ def test_a_stamp_has_32_bits_and_clocks_that_nobody_watches_are_no_alarm(limited
     assert port.doubt_mm == pytest.approx(2.0 * 300 * speed_mm_ns)
 
 
+class Backwards(Bench):
+    """The same way in the other direction."""
+
+    def place_mm(self, time_ns: int) -> float:
+        return -super().place_mm(time_ns)
+
+
+@pytest.mark.parametrize("made", [Bench, Backwards])
+def test_clocks_that_were_apart_leave_the_same_doubt_in_both_directions(made: type[Bench]) -> None:
+    """0.1 mm/ms at 100 ms: twice 300 ns are 60 nm, which is never less than nothing."""
+    bench = made()
+    bench.task.clocks_off_ns["Z"] = 300
+    port = StampPort(bench.link, bench.unit, bench.task, bench.clock, "POS")
+    port.arm()
+    for number in range(1, 106):
+        bench.next(port, signal=number > 101, stamp_ns=100 * MS)
+    assert port.doubt_mm == pytest.approx(2.0 * 300e-9 * 100.0, rel=1e-3)
+    assert port.latched_mm == pytest.approx(bench.place_mm(100 * MS), abs=1e-6)
+
+
 def test_an_axis_has_one_latch_for_each_source_and_one_probe_to_switch() -> None:
     """External hardware and a drive with an external probe share the tasks of the axis."""
     bench = Bench()

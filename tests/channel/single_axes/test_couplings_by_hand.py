@@ -135,6 +135,20 @@ def test_what_has_come_apart_is_an_alarm_of_its_limit_in_both_directions(
     assert alarm.values["limit_mm"] == limit
 
 
+@pytest.mark.parametrize("sign", [1, -1])
+def test_axes_may_come_apart_by_exactly_their_limits(bench: Bench, sign: int) -> None:
+    """0.25 and 0.5 mm: at the first limit no alarm, at the second one that of the first."""
+    bench.on(1, pair("X2", (0.25, 0.5)))
+    bench.links["X2"].actual_mm = 12.0 + sign * 0.25
+    bench.couplings.watch()
+    bench.links["X2"].actual_mm = 12.0 + sign * 0.5
+    with pytest.raises(Alarm) as caught:
+        bench.couplings.watch()
+    assert (caught.value.id, caught.value.values["limit_mm"]) == (900192, "0.25")
+    bench.links["X2"].actual_mm = 12.0
+    bench.couplings.watch()
+
+
 def test_only_a_gantry_with_limits_is_watched(bench: Bench) -> None:
     """The second pair of the second group; a pair without limits may come apart."""
     assert not bench.couplings.watched
