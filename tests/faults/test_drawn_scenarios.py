@@ -4,6 +4,7 @@ import re
 from collections import Counter
 from dataclasses import replace
 from functools import cache
+from typing import Any
 
 import pytest
 
@@ -44,6 +45,18 @@ def test_faults_are_of_places_that_the_machine_has_with_keys_of_their_kind() -> 
             assert target in places_of(ONE_AXIS, kind), (kind, target)
             assert set(keys) <= set(known[kind].keys)
             assert set(keys) <= set(fault_keys())
+
+
+def test_a_kind_is_drawn_as_often_as_it_weighs_where_the_machine_has_places_for_it(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(scenarios, "places_of", lambda _, kind: () if kind == "delay" else ("a",))
+    pool: Any = scenarios._pool
+    for name, machine in list(machines().items())[:6]:
+        weights = {kind.name: kind.weights[machine.weights] for kind in drawn_kinds().values()}
+        expected = {kind: each for kind, each in weights.items() if each and kind != "delay"}
+        assert Counter(kind.name for kind in pool.__wrapped__(name)) == expected
+    assert len({weight for kind in drawn_kinds().values() for weight in kind.weights.values()}) > 2
 
 
 def test_the_program_starts_once() -> None:

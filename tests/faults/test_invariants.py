@@ -147,6 +147,7 @@ def held_from(speed_mm_s: float) -> Left:
         (1, 5, 0, (), True),  # ERROR
         (4, 4, 1, (), True),  # feedhold of the axis
         (1, 0, 0, (), True),  # switched off where it is
+        (4, 0, 0, (), True),
         (3, 0, 0, (50,), True),  # the same while it ran out
         (3, 0, 0, (), False),  # it came to its end
         (4, 4, 0, (50,), False),  # an alarm of something else
@@ -288,7 +289,8 @@ def test_an_invariant_finds_what_breaks_it_and_nothing_else(
 
 
 @pytest.mark.parametrize(
-    ("kind", "way_mm", "found"), [(4, 1.0, []), (4, 1.01, ["stroke"]), (1, 1.01, [])]
+    ("kind", "way_mm", "found"),
+    [(4, 1.0, []), (4, 1.01, ["stroke"]), *((kind, 1.01, []) for kind in (1, 2, 3, 5, 6, 7))],
 )
 def test_a_run_of_type_4_stops_within_its_stroke(
     kind: int, way_mm: float, found: list[str]

@@ -10,6 +10,7 @@ from tests.faults.test_unknowable_values import AT_EDGE, TRUE_MM, touched
 from axisrig.bench.tools.scenarios.campaign import Tally
 from axisrig.bench.tools.scenarios.oracle import Judgement, Result, judge
 from axisrig.bench.tools.scenarios.scenario import Scenario, drawn_kinds
+from axisrig.kernel.time.clock import MS
 
 # Values
 
@@ -79,6 +80,26 @@ def test_a_blind_offset_at_rest_has_what_two_cycles_of_its_acceleration_make(
     assert [name for name in found(made) if name == "blind"] == wrong
 
 
+@pytest.mark.parametrize(("way_um", "wrong"), [(24.4, []), (24.6, ["blind"])])
+def test_a_blind_offset_goes_on_for_what_its_braking_and_two_cycles_take(
+    way_um: float, wrong: list[str]
+) -> None:
+    """5 mm/s and 1000 mm/s2: v^2/2a 12.5 um, 2 v T 10 um, 2 a T^2 2 um."""
+    course_mm = [-5e-3 * min(row, 49) for row in range(50)]
+    course_mm += [course_mm[49] - way_um * 1e-3 * min(n / 8.0, 1.0) for n in range(1, 51)]
+    made = offset(course_mm, blind(50, 99))
+    assert [name for name in found(made) if name == "blind"] == wrong
+
+
+@pytest.mark.parametrize("end_ms", [100, 60, 20])
+def test_set_positions_are_looked_at_until_the_recording_ends(end_ms: int) -> None:
+    """110 mm/s in one row, 100 allowed, also after the program has come to its end."""
+    places = [0.11 * (row >= 70) for row in range(100)]
+    lists = {name: each for name, each in LISTS.items() if name.endswith("vb_max")}
+    assert found(left(set_mm=places, lists=lists, end_ns=end_ms * MS)) == ["speed"]
+    assert found(left(set_mm=[0.9 * mm for mm in places], lists=lists, end_ns=end_ms * MS)) == []
+
+
 # What faults hide
 
 
@@ -117,6 +138,14 @@ def test_values_that_nobody_can_know_are_those_whose_invariant_is_hidden(
     tally.add(Scenario(1, 0, (f"fault:{kind}=a",)), Judgement(Result.GOOD, right=2))
     (name,) = tally.counts
     assert name.endswith("others nobody can know" if hides_value else "all right")
+
+
+def test_every_fault_of_a_scenario_is_counted_with_its_kind() -> None:
+    given = ("plc:V.E.A=1", "fault:drop=a; b", "fault:reset=Z", "fault:delay=a")
+    tally = Tally()
+    for number in range(2):
+        tally.add(Scenario(number, 0, given), Judgement(Result.NO_TRUTH))
+    assert tally.kinds == {"fault:drop": 2, "fault:reset": 2, "fault:delay": 2}
 
 
 def test_a_table_counts_each_kind_that_was_brought_in_their_order() -> None:

@@ -79,7 +79,7 @@ def test_any_output_that_differs_makes_two_runs_different(fake: Any, place: int)
         return Reading(trial.slave.time_ns, repr(values).encode(), values)
 
     fake(outputs=[SimpleNamespace(name=name) for name in names], read=read_three)
-    assert texts(stages.determinism(FMU).findings) == [
+    assert texts(stages.determinism(FMU).findings, "FAIL") == [
         f"two runs differ: {names[place]} at t = 9 ms is 9.0 and 9.5"
     ]
 

@@ -142,6 +142,29 @@ def test_a_latch_is_in_mm_of_its_drive_with_the_contact_before_it(
 
 
 @pytest.mark.interpreted
+def test_a_contact_of_a_probe_that_another_axis_carries_has_no_place_of_this_one(
+    tmp_path: Path,
+) -> None:
+    """Both drives watch the same probe, which reads the place of Y alone."""
+    settings, plant = machine(touch=(4 * MS,))
+    plant.probes["touch"].contacts = [Contact(4 * MS, {"y": 104.0})]
+    nodes: Any = {"X": slave(1000), "Y": slave(1000)}
+    lines: list[str] = []
+    with ExitStack() as opened:
+        watch = EthercatWatcher(settings, nodes, plant, lines.append, tmp_path, opened)
+        for node in nodes.values():
+            latch(node, 1, "positive", 4001, 5 * MS)
+        watch.look(6 * MS)
+    assert [line.split("latch")[1].strip() for line in lines] == [
+        "probe 1, 0x60BA = 4001 = 4.001000 mm",
+        "probe 1, 0x60BA = 4001 = 4.001000 mm; contact was at 104.000000 mm",
+    ]
+    with (tmp_path / "latches.csv").open() as file:
+        rows = [tuple(row.values())[-2:] for row in csv.DictReader(file)]
+    assert rows == [("", ""), ("4000000", "104.0")]
+
+
+@pytest.mark.interpreted
 def test_both_edges_between_two_looks_have_the_instants_of_their_own() -> None:
     """A touch of 0.4 ms that bounces: the rising edge at the first contact, the falling one later.
 

@@ -81,8 +81,12 @@ def test_only_an_axis_that_is_released_is_measured(monkeypatch: pytest.MonkeyPat
     assert measure.choose(RIG, None, "V.E.S", ["a"]) == Bench(RIG, "Z", "V.E.S", ("a",))
     assert measure.choose(RIG, "Z", None, []).axis == "Z"
     for axis, message in (("X", "of the axis is not released"), ("Y", "has no such axis")):
-        with pytest.raises(UserError, match=message):
+        with pytest.raises(UserError, match=message) as refused:
             measure.choose(RIG, axis, None, [])
+        assert ("lr_param.distance_control_on (P-AXIS-00328)" in str(refused.value.hint)) is (
+            axis == "X"
+        )
+        assert (refused.value.value, refused.value.allowed is not None) == (axis, axis == "Y")
     rig("X", "Z")
     assert measure.choose(RIG, "X", None, []).axis == "X"
     with pytest.raises(UserError, match="several axes have distance control"):
