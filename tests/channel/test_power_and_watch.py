@@ -182,6 +182,26 @@ def ids(watch: Monitor, call: str = "take") -> list[str]:
     return [caught.value.values["axis"], *(each.values["axis"] for each in watch.further)]
 
 
+def test_each_drive_and_each_sign_of_the_kernel_begins_and_ends() -> None:
+    """What the kernel shows of itself begins before the drives are set to watch it."""
+    parts: dict[str, list[Any]] = {
+        kind: [Part(), Part()] for kind in ("links", "carriers", "drives", "signs")
+    }
+    watch = Monitor(parts["links"], parts["carriers"], parts["drives"], parts["signs"])
+
+    def calls() -> dict[str, list[list[str]]]:
+        return {kind: [each.calls for each in of] for kind, of in parts.items()}
+
+    silent = {"links": [[], []], "carriers": [[], []]}
+    watch.prepare()
+    assert calls() == {**silent, "drives": [[], []], "signs": [["begin"], ["begin"]]}
+    watch.begin()
+    assert calls() == {**silent, "drives": [["begin"], ["begin"]], "signs": [["begin"], ["begin"]]}
+    watch.end()
+    both = [["begin", "end"], ["begin", "end"]]
+    assert calls() == {**silent, "drives": both, "signs": both}
+
+
 def test_the_most_specific_alarm_of_a_cycle_comes_first_and_none_is_lost() -> None:
     """Own controller, SYNC, connection of a drive, telegrams; each link has been taken anyway."""
     links = [Part(take=alarm(900005, "silent")), Part(), Part(take=alarm(900005, "too"))]

@@ -2,6 +2,7 @@
 
 import struct
 from collections.abc import Callable
+from copy import copy
 from dataclasses import replace
 from fractions import Fraction
 from typing import Any
@@ -15,6 +16,7 @@ from axisrig.kernel.drives.canopen.mapping import Telegram, telegrams
 from axisrig.kernel.drives.canopen.startup_steps import (
     BusSettings,
     Check,
+    CheckScaling,
     Scaling,
     StartUpSettings,
     Step,
@@ -99,6 +101,41 @@ def test_each_word_of_the_declaration_goes_to_its_own_object() -> None:
         *((0x1006, 0, 2000), (0x605A, 0, 2), (0x605B, 0, 1)),
         *((0x100C, 0, 30), (0x100D, 0, 4), (0x1016, 1, 126 << 16 | 70)),
     ]
+
+
+@pytest.mark.parametrize("window_us", [None, 0, 250])
+def test_a_window_of_0_is_written_and_none_is_left_alone(window_us: int | None) -> None:
+    """1007 = 0 switches the window of the SYNC off (CiA 301)."""
+    written = [
+        w for w in _writes(_steps(StartUpSettings(sync_window_us=window_us))) if w[0] == 0x1007
+    ]
+    assert written == ([] if window_us is None else [(0x1007, 0, window_us)])
+
+
+@pytest.mark.parametrize("device_type", [None, 0, 402, 401])
+def test_a_device_of_no_profile_is_compared_too(device_type: int | None) -> None:
+    """1000 = 0 is a device without one (CiA 301); None looks at nothing."""
+    checks = [
+        (step.expected, step.mask)
+        for step in _steps(StartUpSettings(device_type=device_type))
+        if isinstance(step, Check) and step.index == 0x1000
+    ]
+    assert checks == ([] if device_type is None else [(device_type, 0xFFFF)])
+
+
+@pytest.mark.parametrize("lacks", [None, 0x608F, 0x6091, 0x6092])
+@pytest.mark.parametrize("is_wanted", [True, False])
+def test_the_scaling_is_compared_where_it_is_wanted_and_the_drive_has_all_of_its_objects(
+    lacks: int | None, is_wanted: bool
+) -> None:
+    od = copy(object_dictionary(NODE, DriveProfile()))  # which is made once for all
+    od.indices, od.names = dict(od.indices), dict(od.names)
+    if lacks is not None:
+        del od[lacks]
+    settings = StartUpSettings(scaling_check=is_wanted)
+    steps = start_up_steps(settings, BusSettings(), telegrams(0x60BA), NODE, SCALING, od)
+    found = [step for step in steps if isinstance(step, CheckScaling)]
+    assert len(found) == (is_wanted and lacks is None)
 
 
 def test_the_drive_watches_the_rpdos_that_come_with_every_sync_and_no_others() -> None:

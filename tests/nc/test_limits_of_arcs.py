@@ -138,3 +138,20 @@ def test_a_full_circle_has_no_end_to_fit(corrected):
     arc = plane_arc((1, 1), (1, 1), words)
     assert (arc.centre, arc.radius_mm, arc.angle_rad) == ((4.0, 5.0), 5.0, -math.tau)
     assert arc.tangent == pytest.approx((-0.8, 0.6))  # radius (-3, -4), turned clockwise
+
+
+@pytest.mark.parametrize("clockwise", [True, False])
+@pytest.mark.parametrize(("off_mm", "is_full"), [(0.0, True), (1e-10, True), (1e-8, False)])
+def test_an_end_that_is_the_start_but_for_rounding_is_a_full_circle(
+    clockwise: bool, off_mm: float, is_full: bool
+) -> None:
+    """Beside the start in either direction; a nanometre is the limit, and beyond it is an arc."""
+    turn = -math.tau if clockwise else math.tau
+    for sign in (1.0, -1.0):
+        words = CircleWords(clockwise, (0.0, 0.0))
+        angle = plane_arc((5.0, 0.0), (5.0, sign * off_mm), words).angle_rad
+        if is_full:
+            assert angle == turn
+        else:
+            way = sign * off_mm / 5.0 % math.tau
+            assert angle == pytest.approx(way - math.tau if clockwise else way, abs=1e-12)
