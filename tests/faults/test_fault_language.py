@@ -186,3 +186,15 @@ def test_heartbeats_that_nobody_sends_cannot_be_lost() -> None:
         written = rig.model_copy(update={"drive": {**rig.drive, "servo": drive}})
         with nullcontext() if is_sent else pytest.raises(UserError, match="sends no heartbeats"):
             needs_heartbeats(faults, written)
+
+
+@pytest.mark.parametrize("axis", ["X", "X2"])
+def test_only_telegrams_of_the_same_axis_are_offered_for_a_wrong_one(axis: str) -> None:
+    """The name of one axis begins with that of the other."""
+    gantry = read_rig(RIGS / "fixed-stop-gantry.toml")[0]
+    assert {"X", "X2"} <= {*gantry.axis}
+    with pytest.raises(UserError, match="no such telegram") as caught:
+        read_faults("drop", f"{axis}.TPDO99", gantry)
+    allowed = re.findall(r"\w+\.\w+", str(caught.value).partition("allowed")[2])
+    assert f"{axis}.TPDO1" in allowed
+    assert {name.partition(".")[0] for name in allowed} == {axis}

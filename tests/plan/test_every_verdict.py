@@ -138,3 +138,12 @@ def test_a_folder_that_lacks_runs_is_aborted_at_best(verdict: Verdict) -> None:
     assert StoredResults(Path(), runs, {"runs_planned": 1}).verdict is verdict
     lacking = StoredResults(Path(), runs, {"runs_planned": 2}).verdict
     assert lacking is max(verdict, Verdict.ABORTED)
+
+
+@pytest.mark.parametrize("verdict", list(Verdict))
+def test_a_folder_with_more_runs_than_were_asked_for_lacks_none(verdict: Verdict) -> None:
+    results = StoredResults(
+        Path(), [stored("r", verdict), stored("s", Verdict.PASS)], {"runs_planned": 1}
+    )
+    assert results.verdict is max(verdict, Verdict.PASS)
+    assert results.missing <= 0

@@ -147,3 +147,15 @@ def test_of_a_run_that_cannot_be_read_nothing_is_known(monkeypatch: pytest.Monke
     monkeypatch.setattr(resuming, "files_of_case", refuse)
     assert depends_sha256(CASE) == ""
     assert depends_sha256(replace(CASE, runs=("p-a-1",))) != ""
+
+
+def test_a_module_of_metrics_counts_by_its_name_unless_it_is_a_file() -> None:
+    """The content of a file is among the files of the case, wherever it is."""
+
+    def of(name: str, path: Path | None) -> str:
+        module: Any = SimpleNamespace(name=name, path=path)
+        return depends_sha256(replace(CASE, module=module))
+
+    assert len({depends_sha256(CASE), of("own.metrics", None), of("own.others", None)}) == 3
+    files = {of("own", Path("plans/own.py")), of("other", Path("elsewhere/other.py"))}
+    assert files == {depends_sha256(CASE)}

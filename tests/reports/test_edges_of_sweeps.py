@@ -1,6 +1,7 @@
 """Which sweeps and searches a page draws: in which order, how many, and from how many runs on."""
 
 import re
+from itertools import pairwise
 from pathlib import Path
 
 import pytest
@@ -10,6 +11,7 @@ from tests.reports.test_ways_of_failing import check, run, text
 
 from axisrig.bench.campaign.results.stored import StoredResults
 from axisrig.bench.plan.check_row import CheckRow
+from axisrig.reports.sweeps.drawing import shown
 from axisrig.reports.sweeps.searches import search_pictures
 from axisrig.reports.sweeps.section import sweeps
 
@@ -69,3 +71,25 @@ def test_a_sweep_has_three_runs_at_least(count: int, is_one: bool) -> None:
     beside = run("s", check("5"), at=("9", "1"), case="d")
     about = run("p-c", check("5"), runs="4")
     assert bool(sweeps(StoredResults(Path(), [*runs, beside, about], {}))) is is_one
+
+
+@pytest.mark.parametrize(
+    ("good", "bad", "drawn"),
+    [(500, 0, (300, 0)), (500, 10, (290, 10)), (100, 500, (100, 200)), (400, 400, (100, 200)),
+     (0, 500, (0, 200)), (150, 150, (150, 150))],
+)  # fmt: skip
+def test_of_many_values_those_that_did_not_pass_have_two_thirds_and_the_rest_the_room_left(
+    good: int, bad: int, drawn: tuple[int, int]
+) -> None:
+    """300 at most; both ends of the values among them, in whatever order they ran."""
+    passed = [sample("1", float((n * 7) % good)) for n in range(good)]
+    failed = [sample("1", float((n * 7) % bad), word="fail") for n in range(bad)]
+    found = shown([*failed, *passed])
+    for word, count, of in (("pass", drawn[0], good), ("fail", drawn[1], bad)):
+        values = [one.value for one in found if one.verdict.word == word]
+        assert len(values) == count
+        if 0 < count < of:
+            assert (values[0], values[-1]) == (0.0, of - 1.0)
+            # Evenly: no gap is above what the values and the places make
+            assert max(b - a for a, b in pairwise(values)) <= -(-(of - 1) // (count - 1))
+            assert values == sorted(set(values))

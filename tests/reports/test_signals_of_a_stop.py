@@ -296,3 +296,28 @@ def test_columns_are_those_of_a_linear_axis_or_of_one_that_turns() -> None:
     assert made.column("C", "stop_mm") == "C.stop_deg"
     assert (made.column("Z", "truth_mm"), made.column(None, "truth_mm")) == (None, None)
     assert (made.min_time_ns("Z2"), made.min_time_ns("X")) == (40 * MS, 0)
+
+
+def test_each_axis_has_the_place_of_its_own_contact() -> None:
+    """Z touches at 150 ms, its slave at 160 ms; an axis that touches nothing has none."""
+    table = trace(
+        Z__truth_mm=[row * 0.1 for row in range(300)],
+        Z2__truth_mm=[row * 0.2 for row in range(300)],
+        X__truth_mm=[1.0] * 300,
+    )
+    none = StopLimits(None, None, 20.0, None)
+    found = stop(
+        at("contact", 150, "Z"),
+        at("contact", 160, "Z2"),
+        limits=dict.fromkeys(("Z", "Z2", "X"), none),
+    )
+    assert of(found, table) == {
+        ("position", "Z", "contact at"): 15.0, ("position", "Z2", "contact at"): 32.0,
+    }  # fmt: skip
+
+
+@pytest.mark.parametrize(("stands", "end"), [(None, 180), (160, 180), (170, 180), (190, 200)])
+def test_a_detection_is_never_shown_to_an_end_before_it(stands: float | None, end: int) -> None:
+    """A set value that rested before: the window ends 10 ms after the detection at 170 ms."""
+    (_, shown) = windows([stop(at("detected", 170, "Z"), at("stands", stands))])
+    assert (shown["start_ns"], shown["end_ns"]) == (140 * MS, end * MS)

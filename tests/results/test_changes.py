@@ -232,6 +232,8 @@ def test_nothing_changed_says_nothing_and_long_lists_are_cut(tmp_path: Path) -> 
         # What has no keys: a name is there twice, in the first or the second, or it is no TOML
         ("n.txt", "G1 X1\nG1 X2\n", "G1 X1\n", []),
         ("n.txt", "G1 X1\n", "G1 X1\nG1 X2\n", []),
+        ("n.txt", "F 1\nG1 X1\nG1 X2\n", "F 2\nG1 X1\n", []),
+        ("n.txt", "F 1\nG1 X1\n", "F 2\nG1 X1\nG1 X2\n", []),
         ("m.toml", "a = \n", "a = 1\n", []),
         ("m.toml", "a = 1\n", "a = \n", []),
     ],

@@ -283,6 +283,23 @@ def test_bus_time_of_a_tpdo_that_nobody_mapped_is_in_the_sum(
 
 
 @pytest.mark.parametrize(
+    ("bits", "length"),
+    [((32, 32), 8), ((32,), 4), ((8,), 1), ((8, 4), 2), ((1,), 1), ((16, 1), 3), ((), 0)],
+)
+def test_a_frame_that_nobody_mapped_has_whole_bytes_for_its_bits(
+    with_eds: Callable[..., Settings], bits: tuple[int, ...], length: int
+) -> None:
+    """CiA 301, 7.3.3.1: the low byte of an entry of 1A03 is the length of its object in bits."""
+    fixed = {"AccessType": "ro", "DefaultValue": "$NODEID+0x480"}
+    text = changed(changed(EDS, "1803sub1", **fixed), "1803sub2", DefaultValue="1")
+    text = changed(text, "1A03sub0", DefaultValue=str(len(bits)))
+    for sub, count in enumerate(bits, start=1):
+        text = changed(text, f"1A03sub{sub}", DefaultValue=f"0x{0x60640000 + count:08X}")
+    ((kind, frame),) = fixed_frames(with_eds(text), "Z")
+    assert (kind, frame.data_bytes, frame.name) == ("TPDO", length, "Z.TPDO4 (not mapped)")
+
+
+@pytest.mark.parametrize(
     ("transmission", "comes"), [("1", "TPDO"), ("240", "TPDO"), ("254", "event"), ("255", "event")]
 )
 def test_such_a_tpdo_comes_as_its_transmission_type_says(
