@@ -136,6 +136,24 @@ def test_an_unproved_latch_is_a_note_of_its_axis() -> None:
     assert at_plc.endswith(" the last one by 0.02 mm")
 
 
+@pytest.mark.parametrize(
+    ("doubt_mm", "words"),
+    [(None, "0 mm"), (0.0, "0 mm"), (0.012345, "0.012345 mm"), (1.25, "1.25 mm"),
+     (1234.56, "1234.56 mm")],
+)  # fmt: skip
+def test_what_the_last_position_may_be_off_by_is_said_to_six_digits(
+    doubt_mm: float | None, words: str
+) -> None:
+    """Also of an axis whose drive left latches unproved, behind the notes of all drives."""
+    one = SimpleNamespace(unproved_latches=1, interpolated_latches=3, doubt_mm=doubt_mm)
+    links: Any = {"X": one, "Y": one}
+    notes = facts.unproved_notes(links)
+    assert [note[:25] for note in notes] == [
+        f"axis {name}: unproved {what}" for what in ("latches:", "position") for name in "XY"
+    ]
+    assert [note.rpartition(" by ")[2] for note in notes[2:]] == [words] * 2
+
+
 TASK: dict[str, Any] = {
     "period_us": 4000, "offset_us": 100, "busy_us": 50, "program": "p.py",
     "clock_offset_ns": 11, "clock_drift_ppm": 1.5, "assumed_offset_ns": 12,
