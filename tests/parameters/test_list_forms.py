@@ -89,6 +89,25 @@ def test_a_name_twice_in_one_axis_is_told_with_the_way_to_the_next(refused: Refu
     assert "kopf.achs_nr begins the next axis" in str(error.hint)
 
 
+def test_what_is_before_the_first_number_of_an_axis_belongs_to_it(tmp_path: Path) -> None:
+    """The number of an axis begins the next one only where there has been one already."""
+    path = tmp_path / "axes.lst"
+    first = "kenngr.messachse 1\nkopf.log_achs_name X\nkopf.achs_nr 3\n"
+    path.write_text(first, encoding="utf-8")
+    (only,) = read_sections(path, "axis")
+    assert (only.integer("kopf.achs_nr"), only.flag("kenngr.messachse")) == (3, True)
+    path.write_text(f"{first}kopf.achs_nr 4\nkopf.log_achs_name Y\n", encoding="utf-8")
+    found = [
+        (
+            each.integer("kopf.achs_nr"),
+            each.word("kopf.log_achs_name"),
+            each.flag("kenngr.messachse"),
+        )
+        for each in read_sections(path, "axis")
+    ]
+    assert found == [(3, "X", True), (4, "Y", False)]
+
+
 @pytest.mark.parametrize(
     ("older", "present"),
     [

@@ -291,6 +291,8 @@ def test_the_idents_of_a_probe_have_to_be_at_its_real_time_bits(at: int, number:
     assert checked().drive.knows_level
     assert not checked(**{f"i{level}": 0}).drive.knows_level
     assert not checked(**{f"i{level}": 403 - probe_input}).drive.knows_level  # the other probe
+    for more in (0xF, 0x100 | 1 << at):  # other edges, and bit 8: it begins by itself
+        assert checked(i169=more).drive.knows_level
     others = {enable: 407 - probe_input, latched: 409 + (at ^ 1), 169: 0xF & ~(1 << at)}
     for ident, wrong in others.items():
         with pytest.raises(Alarm) as caught:
