@@ -143,6 +143,7 @@ def test_an_edge_may_have_been_earlier_or_later_by_what_is_known_of_it(
     assert error.value == pytest.approx(0.0, abs=1e-9)
     assert error.uncertainty == pytest.approx(-SPEED_MM_S * unknown_cycles, abs=1e-6)
     assert ("before or behind a cycle" in late.note) is bool(unknown_cycles)
+    assert ("before or behind a cycle" in error.note) is bool(unknown_cycles)
 
 
 @pytest.mark.parametrize("names", [("probe", "other"), ("other", "probe")])
