@@ -46,6 +46,16 @@ def test_a_short_value_comes_with_the_answer(command: str, size: int) -> None:
     assert made.result == bytes.fromhex("11223344")[:size]
 
 
+@pytest.mark.parametrize("size", [1, 5, 15, 16])
+@pytest.mark.parametrize("more", [0, 1, 7])
+def test_what_fills_up_the_first_message_is_no_data(size: int, more: int) -> None:
+    """The complete size says how much of it counts: a slave may send even lengths only."""
+    made = read()
+    head = bytes.fromhex("41 0810 02") + size.to_bytes(4, "little")
+    assert made.take(head + NAME[:size] + b"\xee" * more) is None
+    assert made.result == NAME[:size]
+
+
 @pytest.mark.parametrize("unused", [0, 3, 7])
 def test_unused_bytes_count_in_a_segment_of_seven_alone(unused: int) -> None:
     """Bits 1 to 3 of its command; a longer one is as long as its message."""

@@ -62,3 +62,31 @@ def test_a_latch_that_is_left_in_the_drive_is_waited_for_too() -> None:
         drive.is_clear = is_clear
         found.append(port.is_clear)
     assert found == [True, False, True]
+
+
+class Counting(Drive):
+    """Counts how often its latch was armed: each time it forgets what it has."""
+
+    arms = 0
+
+    def arm(self) -> None:
+        self.arms += 1
+        super().arm()
+
+
+def test_the_drive_is_armed_once_in_a_run_however_long_it_takes() -> None:
+    drive, unit = Counting(), ProbingUnit()
+    handshake = Handshake("Z", unit, PlcTask(acknowledge_ns=10), SimpleNamespace(now_ns=0))
+    port = DrivePort(drive, handshake)  # type: ignore[arg-type]
+    for run in (1, 2, 3):
+        port.look()
+        port.arm()
+        port.look()
+        assert drive.arms == run - 1  # the PLC has not switched the probe on yet
+        unit.take(AxisWrites(done_order=unit.number), 0)
+        for _ in range(5):
+            port.look()
+            assert drive.arms == run
+        port.disarm()
+        unit.take(AxisWrites(done_order=unit.number), 0)
+        assert port.is_clear
