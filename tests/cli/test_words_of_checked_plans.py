@@ -226,3 +226,10 @@ def test_inputs_are_looked_at_once_for_each_row_and_each_value_of_a_list(
     asked.clear()
     check_inputs(other)
     assert len(asked) == 2
+    # Rows of included tables have the lines of their own files
+    tables: Any = SimpleNamespace(
+        cases=[*runs("a"), *runs("b", file=Path("rows.csv"))], path=Path("p.csv")
+    )
+    asked.clear()
+    check_inputs(tables)
+    assert asked == ["p-a-0-0", "p-b-0-0"]

@@ -165,3 +165,13 @@ def test_a_shape_without_corners_draws_nothing_and_hides_no_other(
     at = drawn(*([empty, other] if is_first else [other, empty]))
     assert at(-10, -15) == (255, 0, 0)
     assert at(90, 90) is None
+
+
+@pytest.mark.parametrize("turned", [False, True])
+def test_a_line_ends_at_its_points(turned: bool) -> None:
+    """Half a line is 2 units wide, a pixel 3.1: nothing is drawn 10 units beyond its ends."""
+    ends = "{-50, 0}, {10, 0}" if not turned else "{0, -50}, {0, 10}"
+    at = drawn(f"Line(points = {{{ends}}})")
+    found = [along for along in range(-95, 100, 5) if at(*((0, along) if turned else (along, 0)))]
+    assert (found[0], found[-1]) == (-50, 10)
+    assert found == list(range(-50, 15, 5))

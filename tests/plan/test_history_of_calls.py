@@ -135,6 +135,7 @@ def test_plans_of_a_folder_are_those_of_all_calls_with_the_newest_entry_of_each(
     called = [plan("q", "a"), plan("r", "b")]
     made = history(tmp_path, called, ["a"], old)
     assert not made.is_whole  # p is not called
+    assert history(tmp_path, [plan("p", "c"), plan("q", "a")], ["a"], old).is_whole
     assert [(each["name"], each["sha256"][0]) for each in made.manifest({}, [])["plans"]] == [
         ("p", "1"), ("q", "2"), ("r", "2"),
     ]  # fmt: skip

@@ -14,6 +14,7 @@ from axisrig.bench.campaign.results.writer import ResultsWriter
 from axisrig.bench.campaign.sharing import merge
 from axisrig.bench.plan.assignment import parse_assignment
 from axisrig.bench.plan.plan import Plan, read_plan
+from axisrig.bench.rig.settings import AS_CANOPEN, FORCED
 from axisrig.kernel.errors import UserError
 
 EDGE = "set:Z.edge=NEG"
@@ -141,3 +142,15 @@ def test_a_run_of_two_shares_comes_from_the_first_that_is_named(
     )
     assert of_first != of_other
     assert {name: data for name, data in kept.items() if "-c" in name} == of_first
+
+
+def test_a_share_with_flags_is_joined_with_their_inputs(plan: Plan, tmp_path: Path) -> None:
+    """Runs depend on what a flag assigns, as on what --set does."""
+    given = plan.with_inputs([parse_assignment(text) for text in (FORCED, AS_CANOPEN)])
+    one = share(tmp_path / "one", given, "a", ["--force", "--as-canopen"])
+    done = merge([one], tmp_path / "all", started="later")
+    assert (done.runs, list(done.missing)) == (1, ["probing-b", "probing-c"])
+    found = rows(tmp_path / "all" / "plans" / "probing.csv")
+    for text in (FORCED, AS_CANOPEN):
+        column, _, value = text.partition("=")
+        assert [row[column] for row in found] == [value] * 3

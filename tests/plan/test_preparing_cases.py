@@ -296,3 +296,15 @@ def test_a_rig_is_read_again_when_one_of_its_files_has_changed(
         assert preparing.settings_of(case) == (f"rig {number}", [rig, base])  # type: ignore[comparison-overlap]
     path.unlink()
     assert preparing.settings_of(case)[0] == "rig 4"  # type: ignore[index]
+
+
+@pytest.mark.parametrize(
+    ("cell", "value"), [("100 at=never", "never"), ("100 at=M50 of=2", "of"), ("abc", "abc")]
+)
+def test_a_mistake_in_a_cell_names_the_part_that_is_wrong(cell: str, value: str) -> None:
+    rig = str(Path(__file__).parents[2] / "testplans" / "rigs" / "distance-z.toml")
+    case = replace(case_of("a", rig), inputs={"plc:Z.torque_limit": cell})
+    with pytest.raises(UserError) as caught:
+        preparing.settings_of(case)
+    assert str(caught.value.value) == value
+    assert "plc:Z.torque_limit" in caught.value.message

@@ -219,3 +219,26 @@ def test_runs_are_named_by_when_they_began_and_not_after_they_were_shown() -> No
     shown.show("z")
     shown.show("a")
     assert "running" not in shown.progress.state
+
+
+def test_a_state_is_one_line_however_narrow_the_console_is() -> None:
+    """Of a pipe the width is not known: a log is read line by line."""
+    text = io.StringIO()
+    now_s = 0.0
+    console = Console(file=text, force_terminal=False, width=20, highlight=False, markup=False)
+    progress = CampaignProgress(300, lambda: now_s, console)
+    progress.began("a-run-with-a-long-name-of-many-words-1")
+    now_s = 30.0
+    progress.tick()
+    assert text.getvalue() == (
+        "0/300 runs; running: a-run-with-a-long-name-of-many-words-1 for 30 s\n"
+    )
+
+
+def test_a_page_gets_the_time_since_the_begin_whatever_was_shown_since() -> None:
+    shown = Shown(3)
+    shown.wait(40)  # a line at 30 s
+    shown.show("a")
+    assert shown.progress.as_data()["spent_s"] == 40.0
+    shown.wait(35)
+    assert shown.progress.as_data()["spent_s"] == 75.0

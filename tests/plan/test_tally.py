@@ -17,6 +17,8 @@ from axisrig.bench.plan.verdict import Verdict
         ({Verdict.PASS: 3}, 3, "all 3 passed"),
         ({Verdict.PASS: 1}, 1, "it passed"),
         ({Verdict.PASS: 2, Verdict.MARGINAL: 1}, 3, "all 3 passed, 1 only just"),
+        ({}, 4, "all 0 passed; 0 of 4 ran"),
+        ({Verdict.PASS: 1}, 4, "it passed; 1 of 4 ran"),
         ({Verdict.PASS: 2}, 5, "all 2 passed; 2 of 5 ran"),
         ({Verdict.FAIL: 2, Verdict.INCONCLUSIVE: 1, Verdict.ERROR: 4}, 9,
          "4 of 7 in error, 2 failed, 1 inconclusive; 7 of 9 ran"),

@@ -166,3 +166,22 @@ def test_twenty_results_are_few_and_one_more_are_many(
         assert [f"p-good{n} " in out for n in range(count)] == [is_each] * count
     for count in (0, 20, 21):
         assert [Talk.NONE.of(count), Talk.ALL.of(count)] == [Talk.NONE, Talk.ALL]
+
+
+def test_a_run_with_little_room_names_its_check_where_each_run_is_shown(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    """0.1 um below its limit is more than 0.06 um and less than twice that."""
+    found = result("close", 0.9)
+    found.checks = [
+        found.checks[0],
+        judge(parse_check("latch_error_um:Z", "<= 1", ""), 0.9, 0.06, ""),
+    ]
+    found.verdict = max(check.verdict for check in found.checks)
+    assert found.verdict is Verdict.MARGINAL
+    show_verdicts(many(found), Talk.ALL)
+    (row,) = [line for line in capsys.readouterr().out.splitlines() if "p-close" in line]
+    assert "latch_error_um" in row
+    assert "1/2" in row
+    show_verdicts(many(found), Talk.SHORT)
+    assert "p-close" not in capsys.readouterr().out
