@@ -1,5 +1,7 @@
 """Overrides above 100 %, surfaces at rest, lags that have not settled, feeds that fall a little."""
 
+import math
+
 import numpy as np
 import pytest
 from tests.judge import controls, stop_recordings
@@ -68,3 +70,23 @@ def test_a_window_counts_while_the_feed_falls_by_less_than_2_percent_and_an_incr
     )
     (followed,) = run_of(observed).followed.values()
     assert followed.found == (156 if counts else None)
+
+
+@pytest.mark.parametrize("row", [ON, 300])
+@pytest.mark.parametrize(
+    ("after", "growth"), [(0, math.inf), (1, math.inf), (29, math.inf), (30, 1.0), (60, 1.0)]
+)
+def test_limits_that_begin_within_30_cycles_of_the_last_event_act_all_the_time(
+    after: int, growth: float, row: int
+) -> None:
+    """Steps of one size to and fro since the surface jumped, or since the control is on."""
+    rows = controls.K
+    step_mm = np.where(rows >= row, 0.01 * (-1.0) ** rows, 0.0)
+    asked_mm = np.where(rows >= row + after, np.sign(step_mm), step_mm)
+    surface_mm = np.where(rows < row, 0.0, 1.0)
+    observed = controls.recorded(
+        0.0, surface_mm, columns={"step_mm": step_mm, "delta_mm": asked_mm}
+    )
+    shown = controls.seen(observed, "distance_growth")
+    assert shown.value == pytest.approx(growth, abs=1e-6)
+    assert ("a limit cycle" in shown.note) is math.isinf(growth)

@@ -257,6 +257,9 @@ def test_what_the_axes_allow_an_offset_is_of_their_own_rows_in_each_block(
     assert found[KINEMATIC:OFF] == pytest.approx(whole[KINEMATIC:OFF], abs=1e-12)
     steps = np.abs(np.diff(whole[KINEMATIC : KINEMATIC + 40]))
     assert len(set(np.round(steps, 9))) > 10  # the limits of the axes act
+    # Z leaves 200 mm/s and 5000 mm/s2 at most: 5 um more in each cycle of 1 ms
+    assert np.max(steps) <= 0.2 + 1e-9
+    assert np.max(np.diff(steps)) <= 0.005 + 1e-9
 
 
 # Tilts
