@@ -135,3 +135,15 @@ def test_a_row_about_several_runs_has_the_name_of_its_case_where_inputs_are_swep
     assert cases(trend([folder("a", *runs, about)], "m")) == {
         "p-c at V.E.A 1": [(0, 1, 1.0)], "p-c at V.E.A 2": [(0, 1, 3.0)],
     }  # fmt: skip
+
+
+@pytest.mark.parametrize("other", range(4))
+def test_one_run_of_many_with_another_input_is_followed_apart(other: int) -> None:
+    """Whichever it is of its folder, and whichever input differs."""
+    for place, name in enumerate(("V.E.A", "Z.b")):
+        usual, changed = ("1", "x"), ("2", "x") if place == 0 else ("1", "y")
+        runs = [run(f"r{n}", "1", at=changed if n == other else usual) for n in range(4)]
+        assert cases(trend([folder("a", *runs)], "m")) == {
+            f"p-c at {name} {usual[place]}": [(0, 3, 1.0)],
+            f"p-c at {name} {changed[place]}": [(0, 1, 1.0)],
+        }

@@ -59,3 +59,25 @@ def test_without_a_series_there_are_no_signals_to_ask(tmp_path: Path) -> None:
     with pytest.raises(UserError, match="the query was refused") as caught:
         query(found, "select * from signals")
     assert caught.value.hint.startswith("tables: cases, checks, signals")  # type: ignore[union-attr]
+
+
+@pytest.mark.parametrize("which", ["a", "b"])
+def test_a_damaged_time_series_is_named_and_not_the_query(tmp_path: Path, which: str) -> None:
+    """Whichever it is of several."""
+    found = results(tmp_path / "x", a={"Z.set_mm": [1.0]}, b={"Z.set_mm": [5.0]})
+    path = found.traces()[which]
+    path.write_bytes(b"PAR1 no series")
+    with pytest.raises(UserError) as caught:
+        query(found, "select * from signals")
+    assert caught.value.file == str(path)
+    assert "the query was refused" not in caught.value.message
+
+
+def test_a_wrong_query_over_sound_series_is_refused_by_its_first_line(tmp_path: Path) -> None:
+    found = results(tmp_path / "x", a={"Z.set_mm": [1.0]})
+    with pytest.raises(UserError, match="the query was refused") as caught:
+        query(found, "select nothing_of_this from cases")
+    assert "\n" not in caught.value.message
+    assert caught.value.hint == (
+        "tables: cases, checks, signals; `describe cases` lists the columns of one"
+    )

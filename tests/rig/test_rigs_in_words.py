@@ -12,6 +12,7 @@ from axisrig.bench.rig.check import check_rig
 from axisrig.bench.rig.cyclic.family import FAMILY as CYCLIC
 from axisrig.bench.rig.describe import describe_axes, unproved_place
 from axisrig.bench.rig.families import family_of, family_on, rig_families
+from axisrig.bench.rig.sercos.keys import DriveTable
 from axisrig.bench.rig.settings import Settings
 from axisrig.kernel.errors import UserError
 
@@ -248,3 +249,21 @@ def test_a_real_bus_is_reported_with_its_channel_if_it_has_one(
     text = f'[segment.can1]\ninterface = "pcan"\n{key}'
     found = canopen.FAMILY.outside(make("probe-z.toml", text), "Z")
     assert found.startswith(f"drive with node 3 on {where};")
+
+
+@pytest.mark.parametrize(
+    ("keys", "words"),
+    [
+        ({}, "2^20 increments a turn"),
+        ({"resolution": 1}, "2^0 increments a turn"),
+        ({"resolution": 1 << 30}, "2^30 increments a turn"),
+        ({"resolution": 1_000_000}, "1000000 increments a turn"),
+        ({"resolution": 3_600_000, "scaling": "linear"}, "0.1 um"),
+    ],
+)
+def test_positions_of_a_sercos_drive_are_in_increments_or_in_tenths_of_um(
+    keys: dict[str, Any], words: str
+) -> None:
+    """A power of two is written as one; S-0-0076 linear counts in 0.1 um whatever it is."""
+    drive = DriveTable.model_validate({"family": "sercos", **keys})
+    assert drive.in_words.endswith(f", positions in {words}")
