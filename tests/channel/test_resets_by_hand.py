@@ -147,3 +147,21 @@ def test_a_reset_waits_for_every_drive_and_leaves_one_that_was_off_where_it_is(
     bench.cycle()
     assert (bench.state, bench.channel.path.position_acs_mm("X")) == (State.READY, 5.0)
     assert bench.channel.resets_ns == [bench.clock.now_ns]
+
+
+def test_distance_control_is_stepped_while_a_reset_brakes_and_commands_nothing(words: Any) -> None:
+    """In each cycle once: as behind an alarm; as in operation from READY on."""
+    bench = side(words).start(to(words, X=500.0), END).cycle(200)
+    steps: list[bool] = []
+    distance: Any = bench.channel.distance
+    distance.step = lambda *, is_stopping=False: steps.append(is_stopping)
+    bench.channel.plc.wants_reset = True
+    bench.cycle()
+    steps.clear()
+    for _ in range(5):
+        bench.cycle()
+    assert (bench.state, steps) == (State.RESETTING, [True] * 5)
+    bench.until(State.READY)
+    steps.clear()
+    bench.cycle(3)
+    assert steps == [False] * 3

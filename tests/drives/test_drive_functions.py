@@ -159,6 +159,59 @@ def test_a_function_that_the_drive_does_not_have_is_refused(
         check_functions("Z", functions, od, telegrams(0x60BA))
 
 
+READ = (0x6072, 0)
+
+
+@pytest.mark.parametrize(
+    ("place", "read", "data_type", "communication", "words"),
+    [
+        ((0x5FFF, 2), READ, "UNS16", "ACYCLIC",
+         ("the drive has no such object", "0x5FFF:2", None, None)),
+        (READ, (0x5FFF, 3), "UNS16", "ACYCLIC",
+         ("the drive has no such object to read", "0x5FFF:3", None, None)),
+        ((0x6041, 0), READ, "UNS16", "ACYCLIC",
+         ("the drive does not let it be written", "0x6041:0 Statusword", None, None)),
+        (READ, READ, "UNS32", "ACYCLIC",
+         ("0x6072:0 Max torque has another data type", "UNS32", "16 bits unsigned", None)),
+        (READ, READ, "SGN16", "ACYCLIC",
+         ("0x6072:0 Max torque has another data type", "SGN16", "16 bits unsigned", None)),
+        (READ, READ, "UNS16", "CYCLIC",
+         ("no RPDO carries its object freely", "0x6072:0",
+          "objects of RPDOs without a field in the mapping table",
+          "map it in the table of pdo_map, or use ACYCLIC")),
+        # Carried, and led by the control itself
+        ((0x6040, 0), (0x6040, 0), "UNS16", "CYCLIC",
+         ("no RPDO carries its object freely", "0x6040:0",
+          "objects of RPDOs without a field in the mapping table",
+          "map it in the table of pdo_map, or use ACYCLIC")),
+    ],
+)  # fmt: skip
+def test_the_refusal_of_a_function_names_axis_object_and_what_is_allowed(
+    place: tuple[int, int], read: tuple[int, int], data_type: str, communication: str,
+    words: tuple[str, str, str | None, str | None],
+) -> None:  # fmt: skip
+    """Objects and types of CiA 402: 6040 and 6041 UNSIGNED16, 6072 UNSIGNED16."""
+    function = DriveFunction(
+        "KEY", communication, *place, *read, data_type, None, 1.0, 0.0, 1.0, None
+    )
+    od = object_dictionary(3, DriveProfile())
+    with pytest.raises(UserError) as caught:
+        check_functions("Z2", {"KEY": function}, od, telegrams(0x60BA))
+    error = caught.value
+    assert error.message.startswith("drive function KEY of axis Z2")
+    assert error.message.endswith(words[0])
+    assert (error.value, error.allowed, error.hint) == words[1:]
+
+
+def test_a_function_that_nothing_communicates_needs_no_rpdo() -> None:
+    od = object_dictionary(3, DriveProfile())
+    for communication in ("ACYCLIC", "IGNORE"):
+        function = DriveFunction(
+            "KEY", communication, *READ, *READ, "UNS16", None, 1.0, 0.0, 1.0, None
+        )
+        check_functions("Z", {"KEY": function}, od, {})
+
+
 @pytest.mark.parametrize(
     ("mask", "data_type", "raw", "present", "merged"),
     [

@@ -184,3 +184,18 @@ def test_sync0_needs_both_of_its_bits(activation: int) -> None:
     both.unit.start = MS
     both.run(activation, 20 * MS)
     assert (both.came, both.unit.has_sync0) == ([], False)
+
+
+@pytest.mark.parametrize(
+    ("cycle_ns", "status", "count"),
+    [(0, 1, 1), (1, 4, 0), (9_999, 4, 0), (10_000, 1, 11), (10_001, 1, 10)],
+)
+def test_the_shortest_cycle_of_sync0_is_10_us(cycle_ns: int, status: int, count: int) -> None:
+    """In 100 us from the first one on. 0 is a single pulse; what is too short gives none."""
+    pulses = Pulses()
+    pulses.unit.activate(0)
+    pulses.unit.cycle0 = cycle_ns
+    pulses.unit.activate(3)
+    assert pulses.unit.status == status
+    assert len(pulses.until(FIRST + 100 * US)) == pulses.unit.pulses == count
+    assert pulses.unit.status == (4 if status == 4 else 0)

@@ -119,6 +119,8 @@ UNSAID = {"plant": {"stop_direction": None}}
     ("metric", "changes", "words"),
     [
         ("contact_to_detection_ms", NOT_FOUND, "no stop was found"),
+        ("contact_to_detection_ms:Z", NOT_FOUND, "no stop was found"),
+        ("contact_to_detection_ms:X", NOT_FOUND, "no stop was found"),
         ("contact_to_detection_ms", FREE, "axis Z had no contact before"),
         ("contact_to_detection_ms", UNSAID, "the plant of axis Z gives a force at its"),
         ("contact_to_detection_ms:X", {}, "axis X had no contact before"),

@@ -234,3 +234,27 @@ def test_both_criteria_hold_from_the_later_bounds_on(
     assert found.doubt_ns == 2.0
     unknown = Instant(None, note="no closed form")
     assert later(unknown, other) is later(other, unknown) is unknown
+
+
+@pytest.mark.parametrize("ends", [(None, 1.0, 2.0), (1.5, None, 2.0), (1.5, 1.0, None), (1.5,)])
+def test_an_instant_that_lacks_its_time_or_a_bound_is_unknown_with_what_follows(
+    ends: tuple[float | None, ...],
+) -> None:
+    """Whichever of two criteria it is of; what is unknown keeps its own note."""
+    unknown, known = Instant(*ends, note="no bound"), Instant(20.0, 19.0, 21.0, "known")
+    assert later(unknown, known) is later(known, unknown) is unknown
+    assert later(unknown, Instant(None, note="other")) is unknown
+    assert after(unknown, 1_000_000, Cycles(1_000_000, (0, 0)), "tau") is unknown
+
+
+@pytest.mark.parametrize(
+    ("tau_ns", "cycles"),
+    [(0, 0), (1, 1), (999_999, 1), (1_000_000, 1), (1_000_001, 2), (2_000_000, 2)],
+)
+def test_a_time_is_over_in_whole_cycles(tau_ns: int, cycles: int) -> None:
+    """Both bounds move with the instant, and its doubt stays."""
+    begin = Instant(20.0, 19.0, 22.0, "begins", 0.5)
+    moved = cycles * 1e6
+    assert after(begin, tau_ns, Cycles(1_000_000, (0, 0)), "tau") == Instant(
+        20.0 + moved, 19.0 + moved, 22.0 + moved, "tau; begins", 0.5
+    )

@@ -176,6 +176,30 @@ def test_the_file_that_met_the_full_disk_is_named(
     assert [path.name for path in (out / "runs").iterdir()] == ["probing-a.json"]
 
 
+@pytest.mark.parametrize(
+    ("error", "words"),
+    [
+        (OSError(errno.ENOSPC, "No space left", "first"), "No space left"),
+        (ValueError("a defect"), "directory"),
+        (None, "directory"),
+    ],
+)
+def test_a_full_disk_is_reported_with_the_file_that_met_it_first(
+    plan: Plan, tmp_path: Path, error: Exception | None, words: str
+) -> None:
+    """What the end of the campaign cannot write either says nothing new; alone it is reported."""
+    out = tmp_path / "out"
+
+    def campaign() -> None:
+        with ResultsWriter(out, [plan], {"axisrig": "1"}, runs=[]):
+            (out / "junit.xml").mkdir()
+            if error is not None:
+                raise error
+
+    with pytest.raises(OSError, match=words):
+        campaign()
+
+
 def test_what_a_killed_campaign_had_begun_is_carried_out_for_a_report(
     plan: Plan, tmp_path: Path
 ) -> None:

@@ -9,9 +9,11 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from pydantic import ValidationError
 
 from axisrig.bench.oracles.latch.instant import LatchTimes
 from axisrig.bench.rig.contents import settings_of
+from axisrig.bench.rig.sercos.keys import DriveTable
 from axisrig.kernel.nc.coordinates.circle import CircleLimits
 from axisrig.kernel.time.clock import US
 
@@ -167,3 +169,41 @@ def test_limits_of_circles_are_lengths_and_shares() -> None:
     settings = settings_of(RIGS / "probe-z.toml", [f"set:channel.{one}" for one in listed])
     found = settings.offset_tables.circle
     assert found == CircleLimits(1.2, 0.03, 0.007, 0.004)
+
+
+START_UP = 'each entry is an ident and its value, ["S-0-0301", "S-0-0405"]'
+
+
+@pytest.mark.parametrize(
+    ("entry", "words"),
+    [
+        ([], START_UP),
+        (["S-0-0301"], START_UP),
+        (["S-0-0301", "S-0-0405", "S-0-0401"], START_UP),
+        ([301, 405], START_UP),
+        (["S-0-301x", 1], "S-0-301x"),
+        (["S-0-0301", "S-0-405x"], "S-0-405x"),
+    ],
+)
+def test_an_entry_of_a_start_up_list_is_an_ident_and_its_value(
+    entry: list[str | int], words: str
+) -> None:
+    """A number, or an ident again; what is neither is refused with its words."""
+    good: list[list[str | int]] = [["S-0-0301", "S-0-0405"], ["P-0-0010", 0], ["S-0-0169", -1]]
+    table = DriveTable.model_validate({"family": "sercos", "idents": good})
+    assert table.start_list == [(301, 405), ((1 << 15) + 10, 0), (169, -1)]
+    with pytest.raises(ValidationError) as caught:
+        DriveTable.model_validate({"family": "sercos", "idents": [*good, entry]})
+    (error,) = caught.value.errors()
+    assert words in error["msg"]
+    assert error["loc"] == ("idents", 3)
+
+
+@pytest.mark.parametrize("key", ["at", "mdt"])
+def test_a_telegram_of_a_sercos_drive_is_made_of_idents(key: str) -> None:
+    drives = {"family": "sercos", key: ["S-0-0051", "S-0-0130"]}
+    assert getattr(DriveTable.model_validate(drives), key) == ["S-0-0051", "S-0-0130"]
+    with pytest.raises(ValidationError) as caught:
+        DriveTable.model_validate(drives | {key: ["S-0-0051", "6064"]})
+    (error,) = caught.value.errors()
+    assert error["loc"] == (key, 1)

@@ -103,6 +103,11 @@ def test_a_wire_is_passed_twice_and_the_last_slave_once() -> None:
 def test_time_is_in_the_frame_where_clocks_are_led(change: str, names: list[str]) -> None:
     parts = schedule_of(settings_of("probe-z-ethercat.toml", change), "ec1").parts
     assert [name.rpartition("(")[2].rstrip(")") for name, _ in parts[1:]] == names
+    if change != "bus:ec1.dc=false":  # a terminal on the line needs its clocks
+        watched = schedule_of(settings_of("plc-timestamp-line.toml", change), "ec1").parts
+        last = "differences of clocks (BRD)" if "FPWR" in names else "states (BRD)"
+        assert watched[-1][0] == last
+        assert len(watched) == len(names) + 1 + ("FPWR" in names)
 
 
 def test_a_terminal_on_the_line_is_in_the_image_and_its_clock_is_watched() -> None:
