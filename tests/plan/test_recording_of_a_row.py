@@ -16,6 +16,7 @@ from axisrig.bench.campaign.results.writer import CaseResult
 from axisrig.bench.files import sha256_of
 from axisrig.bench.judge.run_findings import STOPPED
 from axisrig.bench.plan.case import Case
+from axisrig.bench.plan.checks import CheckResult
 from axisrig.bench.plan.plan import default_seed
 from axisrig.bench.plan.verdict import Verdict
 from axisrig.bench.record.facts import VERSION, RunFile
@@ -271,3 +272,22 @@ def test_recordings_that_no_row_judges_are_named_and_what_is_none_is_not(
     assert list(found.left) == ["p-left"]
     assert (found.folder, found.report, found.exit_code) == (into, into, 1)
     assert list(into.iterdir()) == []  # the recordings are in the folder above
+
+
+@pytest.mark.parametrize("is_stopped", [True, False])
+@pytest.mark.parametrize(("expected", "verdict"), [((), Verdict.FAIL), (("m",), Verdict.PASS)])
+def test_a_recording_is_judged_by_what_is_expected_and_names_a_stop(
+    monkeypatch: pytest.MonkeyPatch, expected: tuple[str, ...], verdict: Verdict, is_stopped: bool
+) -> None:
+    """A check that has to fail and does is what the row asks for."""
+    check: Any = SimpleNamespace(metric="m")
+    failed = CheckResult(check, 2.0, 0.0, Verdict.FAIL, "")
+    monkeypatch.setattr(rejudge, "Series", lambda _: None)
+    monkeypatch.setattr(rejudge, "Observed", lambda *_: None)
+    monkeypatch.setattr(rejudge, "judged", lambda *_, **__: (Verdict.FAIL, [failed]))
+    monkeypatch.setattr(rejudge, "sampled", lambda *_, **__: {})
+    run = replace(run_of("p-a"), trace=Path("a.parquet"))
+    recording = left(facts=facts(is_stopped=is_stopped))
+    result = rejudge._judge(with_recording(run, recording), case(expected=expected))
+    assert result.error == (STOPPED if is_stopped else None)
+    assert result.verdict is verdict
