@@ -9,7 +9,7 @@ from axisrig.bench.bus.can.load import LoadMeter
 from axisrig.bench.bus.cyclic.segment import CyclicSegment, Instants
 from axisrig.bench.bus.deadlines import Deadlines
 from axisrig.bench.bus.hits import Hits, Window
-from axisrig.kernel.time.clock import MS
+from axisrig.kernel.time.clock import MS, US
 from axisrig.kernel.time.scheduler import new_scheduler
 
 
@@ -84,3 +84,29 @@ def test_a_hash_of_images_is_of_both_ways_their_lengths_and_their_instants() -> 
     ]  # fmt: skip
     assert len({*found}) == len(found)
     assert digest(b"out") == found[0]
+
+
+def digest_of_request(
+    request: bytes, response: bytes = b"answer", *, at_us: int = 200, answers: int = 1
+) -> str:
+    """After requests beside the cycle and their responses."""
+    clock: Any = new_scheduler()
+    segment = CyclicSegment(clock, {"Z": Node()}, Instants(MS), lambda *_: None)
+    clock.run_until(at_us * US)
+    for _ in range(answers):
+        segment.ask(lambda _request: response, request, lambda _response: None)
+    clock.run_until(100 * MS)
+    return segment.hexdigest()
+
+
+@pytest.mark.interpreted
+def test_a_hash_of_images_is_of_what_is_asked_beside_the_cycle_too() -> None:
+    """Request, response, where one of them ends, instant and number."""
+    found = [
+        digest_of_request(b"ask"), digest_of_request(b"asx"), digest_of_request(b"ask", b"answex"),
+        digest_of_request(b"aska", b"nswer"), digest_of_request(b"ask", b""),
+        digest_of_request(b"ask", at_us=201), digest_of_request(b"ask", answers=2),
+        digest_of_request(b"ask", answers=0),
+    ]  # fmt: skip
+    assert len({*found}) == len(found)
+    assert digest_of_request(b"ask") == found[0]

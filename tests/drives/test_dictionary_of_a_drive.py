@@ -115,13 +115,21 @@ def test_an_object_is_there_by_index_and_sub_index() -> None:
     assert {place for place, is_there in found.items() if is_there} == there
     with pytest.raises(UserError, match="no such object") as caught:
         encode(od, 0x2001, 3, 1)
-    assert caught.value.allowed == "sub-index 1, 2"
+    assert (caught.value.value, caught.value.allowed) == ("0x2001:3", "sub-index 1, 2")
+    with pytest.raises(UserError, match="no such object") as caught:
+        encode(od, 0x2000, 1, 1)
+    assert (caught.value.value, caught.value.allowed) == ("0x2000:1", None)
 
 
 @pytest.mark.parametrize("access", ["ro", "const"])
 def test_what_cannot_be_written_is_refused(access: str) -> None:
-    with pytest.raises(UserError, match="does not let the object be written"):
+    with pytest.raises(UserError, match="does not let the object be written") as caught:
         encode(dictionary(item(0x2000, access_type=access)), 0x2000, 0, 1)
+    assert caught.value.value == "0x2000:0 object 2000"
+    text = item(0x2000, kind=datatypes.VISIBLE_STRING)
+    with pytest.raises(UserError, match="only whole numbers") as caught:
+        encode(dictionary(text), 0x2000, 0, 1)
+    assert caught.value.value == "0x2000:0 object 2000"
 
 
 @pytest.mark.parametrize(
@@ -151,9 +159,12 @@ def test_a_telegram_carries_what_the_drive_lets_it(
         if text == "another type":
             shown = f"{bits} bits {'signed' if signed else 'unsigned'}"
             assert (caught.value.value, caught.value.allowed) == (shown, "16 bits unsigned")
+        else:
+            assert (caught.value.value, caught.value.allowed) == ("0x2000:0 object 2000", None)
     mapped.index = 0x2001
-    with pytest.raises(UserError, match="does not have"):
+    with pytest.raises(UserError, match="does not have") as caught:
         check_objects(od, telegram)
+    assert caught.value.value == "0x2001:0"
 
 
 @pytest.mark.parametrize(("name", "base"), [("RPDO2", 0x1401), ("TPDO2", 0x1801)])

@@ -86,6 +86,18 @@ def test_steps_of_a_few_increments_have_died_away(
     assert (found.growth == 0.0) is is_away
 
 
+@pytest.mark.parametrize("begin", [0, 1, 40, 100])
+def test_the_last_half_is_that_behind_the_begin_of_the_law(begin: int) -> None:
+    """What was before it is of another law; one row more or less is left out by the halving."""
+    steps = [9.0] * begin + halves(1.0, 0.25)
+    truth: Any = Truth(steps)
+    stretch: Any = SimpleNamespace(
+        listed=SimpleNamespace(control=SimpleNamespace(is_sloped=True)), kp=1.0, end=len(steps)
+    )
+    found = _limited(truth, stretch, begin)
+    assert found.growth == pytest.approx(0.25 ** (1 / 60))
+
+
 def test_without_a_slope_limits_that_act_all_the_time_are_a_limit_cycle() -> None:
     assert limited(halves(1.0, 0.1), is_sloped=False).growth == math.inf
 

@@ -162,6 +162,29 @@ def test_a_speed_of_profidrive_is_a_share_of_the_base_value(tmp_path: Path) -> N
 
 
 @pytest.mark.parametrize(
+    ("input_us", "output_us", "cycles"), [(0, 0, 2), (200, 500, 2), (200, 900, 3), (0, 900, 2)]
+)
+@pytest.mark.parametrize("family", ["profidrive", "conventional", "lightbus"])
+def test_an_image_shows_what_was_sent_after_the_cycles_of_its_segment(
+    family: str, input_us: int, output_us: int, cycles: int, tmp_path: Path
+) -> None:
+    """Sent with swap k + 1, taken at k + 1 + T_O; in the sample of k + 2 - T_I if that is later."""
+    base, read = FAMILIES[family]
+    plain = settings_of(tmp_path, base, "")
+    segment = plain.rig.axis["Z"].segment
+    text = f"[segment.{segment}]\ninput_us = {input_us}\noutput_us = {output_us}"
+    assert read(settings_of(tmp_path, base, text), "Z").echo_cycles == cycles
+
+
+def test_a_slave_has_to_show_the_identity_of_its_keys(tmp_path: Path) -> None:
+    """1018: sub-index 1 is the vendor, 4 the serial number."""
+    text = "[drive.servo]\nidentity = { vendor = 7, serial = 9 }"
+    found = slave_settings(settings_of(tmp_path, "probe-z-ethercat.toml", text), "Z")
+    assert found.identity == {1: 7, 4: 9}
+    assert slave_settings(settings_of(tmp_path, "probe-z-ethercat.toml", ""), "Z").identity == {}
+
+
+@pytest.mark.parametrize(
     ("family", "base"), [("can", "probe-xyz"), ("ethercat", "probe-xyz-ethercat")]
 )
 def test_each_axis_has_the_values_of_its_own_drive_and_list(

@@ -5,8 +5,10 @@ from pathlib import Path
 import pytest
 
 from axisrig.kernel.errors import UserError
+from axisrig.kernel.kinematics import KinematicData
+from axisrig.kernel.nc.coordinates.circle import CircleLimits
 from axisrig.kernel.nc.coordinates.lists import TOOLS, ZERO_OFFSETS, Entry, read_entry
-from axisrig.kernel.nc.coordinates.tables import Lists
+from axisrig.kernel.nc.coordinates.tables import Lists, OffsetTables
 from axisrig.kernel.nc.coordinates.tools import Tool, Tools, make_tools
 from axisrig.kernel.nc.coordinates.zero_offsets import ZeroOffsets, make_zero_offsets
 from axisrig.kernel.parameters import Origin
@@ -191,3 +193,13 @@ def test_a_tool_is_valid_and_fixed_as_its_last_value_says(values: tuple[int, ...
             name == "tool_fixed" and values[-1] == 1,
         )
         assert (tools.find(4) is not None) is (name == "gueltig" and values[-1] == 1)
+
+
+def test_what_the_channel_says_of_arcs_and_kinematics_is_beside_the_offsets() -> None:
+    """As given; where nothing is given as without any list."""
+    limits, data = CircleLimits(1.0, 0.02, 0.03, 0.004), KinematicData(default_ids=(1, 2))
+    found = Lists().tables(rotary=(), ball_radius_counts=True, circle=limits, kinematics=data)
+    assert (found.circle, found.kinematics) == (limits, data)
+    usual = Lists().tables(rotary=(), ball_radius_counts=True)
+    assert (usual.circle, usual.kinematics) == (OffsetTables().circle, KinematicData())
+    assert not usual.cycle_changes_modal

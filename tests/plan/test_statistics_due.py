@@ -218,3 +218,30 @@ def test_a_row_that_stays_counts_where_one_of_its_runs_is_asked_for(
     hashes = {plan.cases[number].run: "h" for number in chosen}
     found = rows_of(plan, [], there, {**hashes, of_a.run: "h", of_b.run: "h"})
     assert (found.due, found.staying) == ([], [Verdict.FAIL] * counts)
+
+
+def test_a_row_has_the_values_of_each_of_its_runs_in_their_order(
+    plan: Plan, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Those of this call as they have come, the others as the folder has them."""
+    asked: list[Any] = []
+
+    def judged(check: Any, samples: Any) -> Any:
+        asked.append([(sample.run, sample.readings, sample.missing) for sample in samples])
+        return judge(check, 1.0)
+
+    metric = plan.statistics[0].checks[0].metric
+    of_folder: Any = CaseResult(plan.cases[2], Verdict.PASS, [])
+    of_folder.samples[metric] = [3.0]
+    monkeypatch.setattr(statistics, "judge_statistic", judged)
+    monkeypatch.setattr(statistics, "_of_stored", lambda _stored, _case: of_folder)
+    a1, a2, b1, b2 = plan.cases
+    hashes = {b1.run: "old", **{row.run: "h" for row in plan.statistics}}
+    found = rows_of(plan, [a1, a2, b2], [stored(b1)], hashes)
+    for case, value in ((a2, 2.0), (b2, 4.0), (a1, 1.0)):
+        samples: Any = {metric: [value]}
+        list(found.after(CaseResult(case, Verdict.PASS, [], samples=samples)))
+    assert asked == [
+        [(b1.run, (3.0,), ""), (b2.run, (4.0,), "")],
+        [(a1.run, (1.0,), ""), (a2.run, (2.0,), "")],
+    ]

@@ -388,3 +388,20 @@ def test_a_limit_is_reached_within_a_millionth_of_it(
     assert bool(shown["bar"]) is (used is not None)
     assert ("v-fail" in shown["bar"]) is (word == "outside")
     assert shown["used"] == ("–" if used is None else f"{used:.6g}")
+
+
+@pytest.mark.parametrize(
+    ("key", "value", "used", "title"),
+    [
+        ("v_max", 123.456, 98.7654, "v_max: 98.7654 of 123.456 mm"),
+        ("max_pos", 8.0, 7.98765, "max_pos: 7.98765 of 8 mm"),
+        ("min_pos", -12.3456, -1.23456789, "min_pos: -1.23457 of -12.3456 mm"),
+    ],
+)
+def test_the_bar_of_a_limit_has_both_of_its_numbers_as_the_row_has_them(
+    key: str, value: float, used: float, title: str
+) -> None:
+    """Six digits, as its cells."""
+    shown = _limit(replace(limit(key, 419, value, "mm", 0.0), used=used))
+    assert title in shown["bar"]
+    assert f"{key}: {shown['used']} of {shown['value']} mm" == title

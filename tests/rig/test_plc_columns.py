@@ -68,6 +68,7 @@ def test_an_object_takes_each_value_of_its_type_from_the_lowest_on(name: str) ->
         with pytest.raises(UserError, match=f"{name}: not a value of it") as caught:
             rules(f"plc:Z.{name}={text}")
         assert f"a whole number from {low} to {high}" in str(caught.value)
+        assert caught.value.value == text
 
 
 def test_feedholds_and_variables() -> None:
