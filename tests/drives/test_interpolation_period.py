@@ -65,6 +65,13 @@ def test_what_the_eds_lacks_is_left_out() -> None:
     assert periods(2000, object_dictionary(3, DriveProfile(lacks="1006 60C2"))) == []
 
 
+@pytest.mark.parametrize("sub", [1, 2])
+def test_60c2_that_lacks_its_value_or_its_power_of_ten_is_left_out(sub: int) -> None:
+    od = deepcopy(object_dictionary(3, DriveProfile()))
+    del od[INTERPOLATION].subindices[sub]
+    assert periods(2000, od) == [(0x1006, 0, 2000)]
+
+
 def test_limits_and_access_of_the_eds_are_kept() -> None:
     """Drives of makers: an index from -4 on, one that is fixed, a value of a few steps."""
     od = deepcopy(object_dictionary(3, DriveProfile()))

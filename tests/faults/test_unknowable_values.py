@@ -301,6 +301,15 @@ def test_the_level_that_counts_is_the_first_edge_within_its_run(
     assert judge(levels(touched(TRUE_MM[36]), highs)).result is result
 
 
+@pytest.mark.parametrize("first_up", [range(26, 26), range(26, 28)])
+def test_the_first_level_that_is_brought_is_no_edge(first_up: range) -> None:
+    """The listener hears the node from row 26 on, within the run: up or down as it begins."""
+    made = levels(touched(TRUE_MM[36]), [first_up, range(36, ROWS)])
+    assert made.received is not None
+    del made.received.inputs[:26]
+    assert judge(made).result is Result.UNKNOWABLE
+
+
 def test_the_way_of_a_telegram_is_in_its_end_already() -> None:
     """A level that has come 200 us after its SYNC is in the PLC cycle at 550 us, in 400 us too."""
     made = levels(touched(TRUE_MM[36]), [range(36, ROWS)])

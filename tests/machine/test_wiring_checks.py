@@ -85,6 +85,25 @@ def test_what_is_wired_is_of_its_kind(
         check_plants(settings, PLANT)  # nothing of an axis outside is simulated
 
 
+@pytest.mark.parametrize(
+    ("changes", "keys"),
+    [
+        ({"task": task(input_1="p")}, "plc.terminal.input_1"),
+        ({"task": task(switches="p")}, "plc.switches"),
+    ],
+)
+def test_a_rig_without_probes_has_none_to_wire(
+    tmp_path: Path, changes: dict[str, Any], keys: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(plants, "outside_axes", lambda _: frozenset())
+    monkeypatch.setattr(plants, "check_strokes", lambda *_: None)
+    bare: Any = SimpleNamespace(axes={"z": None}, probes={}, distances={})
+    with pytest.raises(UserError) as caught:
+        check_plants(rig(tmp_path, **changes), bare)
+    assert caught.value.message.startswith(f"{keys} must name a probe")
+    assert (caught.value.value, caught.value.allowed) == ("p", "none in this rig")
+
+
 @pytest.mark.parametrize("outside", [{"X"}, {"Y"}, {"X", "Y"}, {"Z"}, set()])
 @pytest.mark.parametrize("wrong", ["X", "Y", "Z"])
 def test_each_axis_that_is_simulated_is_checked_wherever_it_stands(

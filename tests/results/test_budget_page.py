@@ -51,7 +51,9 @@ def test_the_table_has_each_cause_alone_in_turn_and_together(tmp_path: Path) -> 
                                      ("+4.0000", "+5.0000", "+3.5000")):  # fmt: skip
         place = cells.index(alone)
         assert cells[place : place + 3] == [alone, in_turn, together]
-    with write_budget(tmp_path / "b.csv", BUDGET).open(encoding="utf-8") as file:
+    path = write_budget(tmp_path / "b.csv", BUDGET)
+    assert b"\r" not in path.read_bytes()  # one line break, as in every table of a results folder
+    with path.open(encoding="utf-8") as file:
         rows = list(csv.DictReader(file))
     assert [row["alone_um"] for row in rows] == ["8.0", "4.0", "-1.0", ""]
     assert [row["in_turn_um"] for row in rows] == ["5.0", "5.0", "-1.0", "0.5"]

@@ -12,7 +12,7 @@ import pytest
 
 from axisrig.bench.oracles.distance.lists import CHANNEL
 from axisrig.bench.oracles.distance.loop import CONST_DIST
-from axisrig.bench.rig.distance.check import drive_lags_s
+from axisrig.bench.rig.distance.check import describe_distance, drive_lags_s
 from axisrig.bench.rig.distance.loops import (
     control_lines,
     cycles_line,
@@ -208,3 +208,24 @@ def test_a_step_goes_past_by_all_that_its_sensor_is_late(
     listed = listed_for(settings, "Z")
     words = limits_words(listed, 1000, loop_of(settings, "Z", sensor, CONST_DIST))
     assert f"by {past} mm in CONST_DIST, whose error is {cycles} cycles old" in words
+
+
+@pytest.mark.parametrize(
+    ("model", "lag_s", "words"),
+    [
+        ("KinematicAxis", 0.0, None),
+        ("KinematicAxis", 0.02, None),  # it follows its demand whatever is given
+        ("ServoAxis", 0.0, "  drive        what else its loops add"),
+        ("ServoAxis", 0.0125, "  drive        lags by 12.5 ms, counted below as a first order"),
+    ],
+)
+def test_what_a_drive_adds_to_the_loop_is_reported_where_it_has_a_lag(
+    rig_above: Read, model: str, lag_s: float, words: str | None
+) -> None:
+    """What is known of its limits of kp goes with that."""
+    settings = rig_above("distance-z.toml", f'[plant.z]\nfmu = "AxisRig.Drives.{model}"')
+    (text,) = describe_distance(settings, {"Z": lag_s, "X": 1.0})
+    drives = [line for line in text.splitlines() if line.startswith("  drive ")]
+    assert len(drives) == (words is not None)
+    assert drives == [] or drives[0].startswith(words or "")
+    assert ("not known as listed" in text) is (words is not None)
