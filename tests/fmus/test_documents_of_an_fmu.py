@@ -153,6 +153,16 @@ def test_numbers_of_a_page_have_fifteen_digits(value: float, text: str) -> None:
     assert f"<td></td><td> .. {text}</td>" in text_of(shown(name="x", maximum=value))
 
 
+def test_words_of_a_page_are_those_of_the_type() -> None:
+    """The first literal of an enumeration has the number 1; it has no range of numbers."""
+    kinds = {"type": "Enumeration", "enumeration": "Lib.E", "literals": ("off", "on", "auto"),
+             "minimum": 1.0, "maximum": 3.0}  # fmt: skip
+    for start, text in (((1.0,), "off"), ((2.0,), "on"), ((3.0, 1.0), "auto off")):
+        assert f"<td>{text}</td><td></td>" in text_of(shown(name="x", start=start, **kinds))
+    for start, text in (((1.0,), "true"), ((0.0,), "false"), ((0.0, 1.0), "false true")):
+        assert f"<td>{text}</td><td></td>" in text_of(shown(name="x", type="Boolean", start=start))
+
+
 # Terminals
 
 

@@ -65,6 +65,24 @@ def test_a_block_reads_its_inputs_in_the_order_of_their_slots() -> None:
         assert list(solver.blocks[0].inputs) == inputs
 
 
+@pytest.mark.parametrize("is_first", [True, False])
+def test_a_block_reads_what_each_of_its_equations_reads(is_first: bool) -> None:
+    """x y = a, p x + b y = c: a is in one equation, all others are in the second."""
+    a, b, c = parameter(23), variable(5), parameter(21)
+    residuals = [
+        apply("Sub", product_of(X, Y), a),
+        apply("Sub", apply("Add", product_of(P, X), product_of(Y, b)), c),
+    ]
+    order = residuals if is_first else residuals[::-1]
+    at = {a: 6.0, b: 0.5, c: 5.5, P: 2.0}
+    found, solver = solved(order, [X, Y], at)
+    (block,) = solver.blocks
+    known = sorted((P, a, c), key=lambda leaf: leaf.index)
+    assert list(block.inputs) == [*known, b]
+    assert found[X] * found[Y] == pytest.approx(6.0)
+    assert 2.0 * found[X] + 0.5 * found[Y] == pytest.approx(5.5)
+
+
 def test_a_block_names_all_that_follows_in_it() -> None:
     """Of linear equations and of others; one without a name of the model has its slot."""
     linear = [

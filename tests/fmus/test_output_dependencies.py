@@ -81,3 +81,26 @@ def test_what_was_before_an_event_is_memory_whatever_it_is_of(vector: str, index
     assert output_dependencies(system, made) == {10: ()}
     system.previous = [(8, vector, index)]
     assert output_dependencies(system, made) == {10: (2,)}
+
+
+@pytest.mark.parametrize("states", [0, 1, 4])
+def test_only_slots_of_y_are_states(states: int) -> None:
+    """p[0] is computed from an input, however many states y has; what y[0] follows is memory."""
+
+    def row(vector: str, index: int, value: Any) -> Any:
+        return SimpleNamespace(vector=vector, index=index, value=value)
+
+    rows: dict[str, Any] = dict.fromkeys(
+        ("updates", "whens", "conditions", "relations", "schedules", "previous"), ()
+    )
+    runtime = [row("p", 0, apply("Mul", parameter(3), TIME))]
+    algebraics = [row("y", 0, parameter(3))] if states == 0 else []
+    system: Any = SimpleNamespace(
+        state_count=states, **rows, runtime=runtime, algebraics=algebraics
+    )
+    made = [
+        shown(name="u", causality="input", vector="p", index=3, reference=2),
+        shown(name="d", vector="p", index=0, reference=10),
+        shown(name="x", vector="y", index=0, reference=11),
+    ]
+    assert output_dependencies(system, made) == {10: (1, 2), 11: () if states else (2,)}

@@ -23,8 +23,8 @@ def when(target: str, *conditions: str) -> Any:
 
 
 def folded(*chains: Any, **parts: Any) -> set[int]:
-    """Slots of the parameters a (0), b (1) and the array c (2, 3); 7 is a discrete variable."""
-    slots = {"a": 0, "b": 1, "c[1]": 2, "c[2]": 3, "n": 7}
+    """Slots of the parameters a (0), b (1), c[] (2, 3); n (7), m[] (8, 9) and mm are discrete."""
+    slots = {"a": 0, "b": 1, "c[1]": 2, "c[2]": 3, "n": 7, "m[1]": 8, "m[2]": 9, "mm": 10}
     names = {"a": ["a"], "b": ["b"], "c": ["c[1]", "c[2]"]}
     ir: Any = SimpleNamespace(
         solve={"layout": {"bindings": {name: {"P": {"index": at}} for name, at in slots.items()}}},
@@ -128,3 +128,14 @@ def test_a_parameter_that_decides_what_a_state_jumps_to_acts_where_its_program_h
     chain = when("n", "a")
     chain["state"] = chain.pop("target")
     assert folded(chain, reinits=[row(value, "p", 7)], algebraics=[beside]) == found
+
+
+@pytest.mark.parametrize(("slot", "found"), [(8, set()), (9, set()), (7, {0}), (10, {0})])
+def test_the_program_of_an_array_is_that_of_each_of_its_elements(
+    slot: int, found: set[int]
+) -> None:
+    """m := if a then ...: the program of either element may read a; n and mm are other ones."""
+    every = apply("Add", apply("Add", parameter(0), parameter(1)), parameter(2))
+    beside = row(apply("Add", apply("Add", every, parameter(3)), TIME))
+    whens = [row(READ if at == slot else TIME, "p", at) for at in (7, 8, 9, 10)]
+    assert folded(when("m", "a"), whens=whens, algebraics=[beside]) == found

@@ -175,14 +175,15 @@ def test_a_when_clause_holds_what_its_variable_was_before() -> None:
     assert targets(found.whens) == [("p", 3, apply("Add", P[4], P[1]))]
 
 
-def test_homotopy_is_its_first_argument() -> None:
-    mixed = apply("Add", apply("Mul", P[6], P[0]), P[1])
-    plain = apply("Add", apply("Mul", ONE, P[0]), P[1])
+@pytest.mark.parametrize("slot", [6, 0])
+def test_homotopy_is_its_first_argument(slot: int) -> None:
+    mixed = apply("Add", apply("Mul", P[slot], P[5]), P[1])
+    plain = apply("Add", apply("Mul", ONE, P[5]), P[1])
     given = {"discrete__runtime_assignment_plan": plan(mixed),
              "discrete__runtime_assignment_targets": slots(P[3])}  # fmt: skip
     assert system(**given).runtime[0].value == mixed
-    (row,) = system(solve_layout__initial_homotopy_parameter_index=6, **given).runtime
-    assert row.value in (plain, Expr("Add", (Expr("Mul", (ONE, P[0])), P[1])))
+    (row,) = system(solve_layout__initial_homotopy_parameter_index=slot, **given).runtime
+    assert row.value in (plain, Expr("Add", (Expr("Mul", (ONE, P[5])), P[1])))
 
 
 # Memories

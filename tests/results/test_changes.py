@@ -88,6 +88,42 @@ def test_versions_are_named(tmp_path: Path) -> None:
     ]
 
 
+@pytest.mark.parametrize(
+    ("name", "shown"),
+    [("axisrig", "axisrig"), ("sources_sha256", "sources"), ("compiled", "compiled"),
+     ("python", "python"), ("platform", "platform")],
+)  # fmt: skip
+def test_each_version_is_named_alone(tmp_path: Path, name: str, shown: str) -> None:
+    one, other = (folder(tmp_path / value, {}, **{name: value}) for value in ("1", "2"))
+    assert found(one, other) == [f"changed: {shown} 1 -> 2"]
+    assert found(one, one) == []
+
+
+@pytest.mark.parametrize("turn", [1, -1])
+@pytest.mark.parametrize("name", ["r.toml", "z.lst", "p.nc", "Axis.fmu"])
+def test_a_file_that_only_one_folder_has_is_new_or_missing(
+    tmp_path: Path, name: str, turn: int
+) -> None:
+    one, other = (
+        folder(tmp_path / place, {}, files=dict.fromkeys(files, f"{7:064x}"))
+        for place, files in (("a", ["q.nc"]), ("b", [name, "q.nc"]))
+    )
+    words = "is new" if turn > 0 else "is missing"
+    assert found(*(one, other)[::turn]) == [f"changed: {name} {words}"]
+
+
+@pytest.mark.parametrize("more", [-1, 0, 1, 5])
+def test_so_many_keys_of_a_file_are_named_and_the_rest_is_counted(
+    tmp_path: Path, more: int
+) -> None:
+    count = KEYS_MAX + more
+    texts = ["".join(f"k{n} = {value}\n" for n in range(count)) for value in (1, 2)]
+    one, other = (folder(tmp_path / str(n), {"r.toml": text}) for n, text in enumerate(texts))
+    _, *keys = found(one, other)
+    assert keys[:KEYS_MAX] == [f"  k{n} 1 -> 2" for n in range(min(count, KEYS_MAX))]
+    assert keys[KEYS_MAX:] == ([f"  {more} more"] if more > 0 else [])
+
+
 @pytest.mark.parametrize("turn", [1, -1])
 def test_a_version_that_only_one_folder_has_is_no_change(tmp_path: Path, turn: int) -> None:
     """An older release wrote fewer of them; a package may be of an extra."""

@@ -47,6 +47,19 @@ def test_the_surest_shift_is_the_first_line_of_its_kind() -> None:
     ]
 
 
+@pytest.mark.parametrize(
+    ("before", "after", "words"),
+    [(1234.5678, 1230.12345, "1234.568 -> 1230.123"),
+     (-0.12345678, 2.5e-7, "-0.1234568 -> 2.5e-07"), (100000.04, 100000.14, "100000 -> 100000.1"),
+     (0.0, 1e-12, "0 -> 1e-12")],
+)  # fmt: skip
+def test_both_values_of_a_shift_have_seven_digits(before: float, after: float, words: str) -> None:
+    both = (Verdict.PASS, Verdict.PASS)
+    one = MetricPair("r", "m:Z", "um", before, after, 0.0, 0.0, (None, None), both)
+    found = lines(Comparison([pair("r", one)], [], [], []), "shifted")
+    assert found == [f"shifted: r: m:Z {words} um (En inf)"]
+
+
 @pytest.mark.parametrize("count", [SHOWN_MAX, SHOWN_MAX + 1, SHOWN_MAX + 9])
 def test_of_each_kind_forty_lines_are_shown_and_the_rest_is_counted(count: int) -> None:
     names = [f"r{number:02}" for number in range(count)]

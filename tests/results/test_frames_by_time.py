@@ -3,12 +3,14 @@
 from pathlib import Path
 
 import can
+import pandas as pd
 import pytest
 from tests.recordings import facts
 
 from axisrig.bench.campaign.results.stored import RECORDING
 from axisrig.bench.record.bus import BusFigures
 from axisrig.bench.record.facts import run_text
+from axisrig.kernel.errors import UserError
 from axisrig.results import loading
 from axisrig.results.loading import load
 
@@ -55,6 +57,18 @@ def test_a_frame_has_its_identifier_data_kind_and_segment(tmp_path: Path) -> Non
         ("a", 0x701, "", False, True, False),
         ("other", 0x1FFFFFFF, "00", True, False, False),
     ]
+
+
+def test_telegrams_of_an_ethercat_line_are_no_frames_of_a_can_bus(tmp_path: Path) -> None:
+    """A rig with both leaves both; its table has the CAN frames, whatever the others are."""
+    place = folder_of(tmp_path, ["(0.000001) a 7FF#01", "(0.000002) b 080#"])
+    alone = load(place).frames("r")
+    (place / "bus" / "r@ec1.pcapng").write_bytes(b"no block of it is read")
+    pd.testing.assert_frame_equal(load(place).frames("r"), alone)
+    assert alone["segment"].tolist() == ["a", "b"]
+    (place / "bus" / "r.log").unlink()
+    with pytest.raises(UserError, match="CAN"):
+        load(place).frames("r")
 
 
 def test_frames_are_those_of_the_recording_that_a_run_shares(tmp_path: Path) -> None:

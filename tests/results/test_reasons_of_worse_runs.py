@@ -35,6 +35,11 @@ def sides(
          "m is 2 beyond its limit, it was 1 inside its limit"),
         ({**BELOW, "value": "-3"}, {**BELOW, "value": "-7.25"},
          "m is 2.25 um beyond its limit, it was 2 um inside its limit"),
+        # However near it is, and four digits of whatever it is
+        ({"value": "4.9995"}, {"value": "5.00025"},
+         "m is 0.00025 um beyond its limit, it was 0.0005 um inside its limit"),
+        ({"value": "-1234.56"}, {"value": "1239.56"},
+         "m is 1235 um beyond its limit, it was 1240 um inside its limit"),
     ],
 )  # fmt: skip
 def test_a_run_that_fell_says_where_its_value_is_and_was(

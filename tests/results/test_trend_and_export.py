@@ -197,3 +197,6 @@ def test_truth_values_are_signals_and_texts_are_not(
             assert found[name].samples.tolist() == values
             assert found[name].timestamps.tolist() == [0.0, 0.001, 0.0025]
             assert found[name].unit == ("mm" if name == "Z.set_mm" else "")
+        assert found["Z.edge"].samples.dtype == "uint8"
+        assert [group.channel_group.comment for group in mdf.groups] == ["run r, rig r.toml"]
+        assert mdf.start_time.timestamp() == 0.0
