@@ -87,8 +87,11 @@ def test_a_value_is_written_as_its_type_wants_it(kind: int, value: int, data: st
      (datatypes.BOOLEAN, 2, "does not take"), (datatypes.REAL32, 1, "only whole numbers")],
 )  # fmt: skip
 def test_a_value_that_its_type_does_not_hold_is_refused(kind: int, value: int, text: str) -> None:
-    with pytest.raises(UserError, match=text):
+    with pytest.raises(UserError, match=text) as caught:
         encode(dictionary(item(0x2000, kind=kind)), 0x2000, 0, value)
+    if text == "does not fit":
+        bits = 8 if kind == U8 else 16
+        assert (caught.value.value, caught.value.allowed) == (value, f"{bits} bits")
 
 
 def test_limits_count_unless_they_are_left_out() -> None:

@@ -127,18 +127,30 @@ def test_900111_and_900112(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    ("old", "new", "message"),
+    ("old", "new", "message", "shown"),
     [
-        ("6072_00", "S-0-0092", "no object of a CANopen drive"),
-        ("TORQUE_LIMIT", "mon_window", "two drive functions have one name"),
-        ("10.0", "0", "must not be 0"),
-        ("NOT_USED", "some", "no whole number"),
-        ("LINEAR", "TORQUE_DRIVE_SIDE", "does not act yet"),
+        ("6072_00", "S-0-0092", "no object of a CANopen drive",
+         ("S-0-0092", "index and sub-index as in 6072_00")),
+        ("TORQUE_LIMIT", "mon_window", "two drive functions have one name",
+         ("antr.function[..].id mon_window", None)),
+        ("10.0", "0", "must not be 0", (0.0, None)),
+        ("NOT_USED", "some", "no whole number", ("some", None)),
+        ("LINEAR", "TORQUE_DRIVE_SIDE", "does not act yet",
+         ("TORQUE_DRIVE_SIDE", "UNSCALED, LINEAR")),
+        ("antr.function[1].commu", "antr.function[1].rd_ident 6072\nantr.function[1].commu",
+         r"function\[1\].rd_ident is no object of a CANopen drive",
+         ("6072", "index and sub-index as in 6072_00")),
+        ("antr.function[1].commu", "antr.function[1].startup_value 1.5\nantr.function[1].commu",
+         r"function\[1\].startup_value is no whole number", ("1.5", None)),
     ],
-)
-def test_a_list_that_cannot_be_is_refused(tmp_path: Path, old: str, new: str, message: str) -> None:
-    with pytest.raises(UserError, match=message):
+)  # fmt: skip
+def test_a_list_that_cannot_be_is_refused(
+    tmp_path: Path, old: str, new: str, message: str, shown: tuple[object, str | None]
+) -> None:
+    with pytest.raises(UserError, match=message) as caught:
         _read(tmp_path, PRINTED.replace(old, new))
+    assert caught.value.message.startswith("axis Z: ")
+    assert (caught.value.value, caught.value.allowed) == shown
 
 
 @pytest.mark.parametrize(

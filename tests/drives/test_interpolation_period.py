@@ -94,6 +94,7 @@ def test_a_period_that_60c2_cannot_say_is_refused(period_us: int, lowest: int) -
         periods(period_us, od)
     assert "60C2" in caught.value.message
     assert caught.value.value == f"{period_us} us"
+    assert caught.value.hint == "choose another period_us of [cycle]"
     assert str(lowest) in str(caught.value.allowed)
 
 

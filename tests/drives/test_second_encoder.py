@@ -158,3 +158,20 @@ def test_a_table_that_cannot_bring_it_is_refused(
     with pytest.raises(UserError, match=words) as refused:
         telegrams(0x60BA, table)
     assert refused.value.line == 6
+
+
+@pytest.mark.parametrize(
+    ("second", "promised_ns"),
+    [
+        ("", None),
+        ("TPDO2,1,0,0x60E4,1,32,yes,second", 2_000_000),
+        ("TPDO2,5,0,0x60E4,1,32,yes,second", 10_000_000),  # with each 5th SYNC
+        ("TPDO2,254,0,0x60E4,1,32,yes,second", None),  # when the drive wants
+    ],
+)
+def test_the_table_says_how_often_a_second_position_comes(
+    own_table: Callable[[str], str], second: str, promised_ns: int | None
+) -> None:
+    link, _ = linked(own_table(second))
+    assert link.has_second is bool(second)
+    assert link.second_period_ns(2_000_000) == promised_ns

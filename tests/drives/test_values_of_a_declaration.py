@@ -246,9 +246,11 @@ def test_a_drive_that_is_to_watch_a_kernel_without_a_heartbeat_is_refused() -> N
     with pytest.raises(UserError, match="the kernel sends no heartbeat") as caught:
         steps(StartUpSettings(consumer_ms=70), BusSettings(heartbeat_ms=0))
     assert caught.value.value == "consumer_ms = 70"
+    assert caught.value.hint == "set heartbeat_ms in [cycle]"
     with pytest.raises(UserError, match="not by both") as caught:
         steps(StartUpSettings(heartbeat_ms=40, guard_time_ms=30))
     assert caught.value.value == "heartbeat_ms = 40"
+    assert caught.value.allowed == "one of heartbeat_ms, guard_time_ms"
 
 
 # What RPDOs carry for drive functions
