@@ -181,6 +181,17 @@ def test_a_table_with_cases_and_one_more_column_is_a_plan(
     assert is_plan(tmp_path / name) is is_it
 
 
+@pytest.mark.parametrize(
+    ("name", "is_it"), [("P.CSV", True), ("p.Csv", True), ("P.TXT", False), ("p", False)]
+)
+def test_the_letters_of_a_suffix_do_not_matter(name: str, is_it: bool, tmp_path: Path) -> None:
+    """A table of another system; also one that cannot be read, which then says so."""
+    (tmp_path / name).write_text("case,program,check:alarms\na,a.nc,none\n", encoding="utf-8")
+    assert is_plan(tmp_path / name) is is_it
+    (tmp_path / name).write_bytes(b"case,\xff\xfe\x00")
+    assert is_plan(tmp_path / name) is is_it
+
+
 def test_a_folder_is_one_of_plans_by_the_hook_of_its_own_conftest(tmp_path: Path) -> None:
     def conftest(folder: str, hook: object) -> Any:
         return SimpleNamespace(__file__=str(tmp_path / folder / "conftest.py"), **(

@@ -36,8 +36,8 @@ def test_a_prepared_case_is_known_as_long_as_its_files_are_the_same(
     assert recall(case) is prepared
     assert settings.is_checked is True
     for other in (
-        {"inputs": {"plc:V.E.A": "2"}}, {"rig": fmu}, {"program": rig}, {"line": 3},
-        {"overridden": frozenset({"plc:V.E.A"})},
+        {"inputs": {"plc:V.E.A": "2"}}, {"inputs": {"plc:V.E.B": "1"}}, {"rig": fmu},
+        {"program": rig}, {"line": 3}, {"overridden": frozenset({"plc:V.E.A"})},
     ):  # fmt: skip
         assert recall(replace(case, **other)) is None, other
     assert recall(replace(case, title="another")) is prepared
@@ -155,3 +155,25 @@ def test_only_so_many_cases_are_kept_the_oldest_goes(
     assert [recall(case) is prepared for case in cases] == [True, False, True]
     forget()
     assert recall(cases[0]) is None
+
+
+def test_an_fmu_is_another_one_by_its_time_its_size_or_its_place_on_the_disk(
+    tmp_path: Path,
+) -> None:
+    """One that was built elsewhere and put in place may have the same time and the same size."""
+    fmu, other = tmp_path / "a.fmu", tmp_path / "b.fmu"
+    for path, text in ((fmu, "first"), (other, "other")):
+        path.write_text(text, encoding="utf-8")
+        os.utime(path, ns=(5, 5))
+    before = preparing._content([fmu])
+    assert preparing._content([fmu]) == before
+    other.replace(fmu)
+    replaced = preparing._content([fmu])
+    os.utime(fmu, ns=(6, 6))
+    touched = preparing._content([fmu])
+    fmu.write_text("longer", encoding="utf-8")
+    os.utime(fmu, ns=(6, 6))
+    longer = preparing._content([fmu])
+    fmu.unlink()
+    states = [before, replaced, touched, longer, preparing._content([fmu])]
+    assert all(one != two for at, one in enumerate(states) for two in states[:at])

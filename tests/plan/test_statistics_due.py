@@ -245,3 +245,70 @@ def test_a_row_has_the_values_of_each_of_its_runs_in_their_order(
         [(b1.run, (3.0,), ""), (b2.run, (4.0,), "")],
         [(a1.run, (1.0,), ""), (a2.run, (2.0,), "")],
     ]
+
+
+@pytest.mark.parametrize("place", [0, 1])
+def test_a_row_waits_for_the_only_run_that_is_still_to_come(plan: Plan, place: int) -> None:
+    """The folder has the other one; the row is judged once, with both."""
+    called, kept = plan.cases[place], plan.cases[1 - place]
+    hashes = {kept.run: "old", **{row.run: "h" for row in plan.statistics}}
+    found = rows_of(plan, [called], [stored(kept)], hashes)
+    assert list(found.kept()) == []
+    result = CaseResult(called, Verdict.PASS, [])
+    assert [row.case.run for row in found.after(result)] == ["p-a"]
+
+
+def test_a_row_counts_its_own_runs_of_the_call_alone(plan: Plan) -> None:
+    """The folder has one of the second row; that it comes again counts for none."""
+    a1, a2, b1, b2 = plan.cases
+    hashes = {b2.run: "old", **{row.run: "h" for row in plan.statistics}}
+    found = rows_of(plan, [a1, a2, b1], [stored(b2)], hashes)
+    assert list(found.kept()) == []
+    came = [
+        [row.case.run for row in found.after(CaseResult(case, Verdict.PASS, []))]
+        for case in (a1, b2, b1, a2)
+    ]
+    assert came == [[], [], ["p-b"], ["p-a"]]
+
+
+@pytest.mark.parametrize("values", [(0.5, 5.0), (5.0, 0.5), (5.0, 5.0), (0.5, 0.5)])
+def test_a_row_has_the_worst_verdict_of_all_its_statistics(
+    plan: Plan, monkeypatch: pytest.MonkeyPatch, values: tuple[float, float]
+) -> None:
+    """Each is asked to be 1 at most."""
+    of_a, _ = plan.statistics
+    row = replace(of_a, checks=of_a.checks * 2)
+    given = iter(values)
+    monkeypatch.setattr(statistics, "judge_statistic", lambda check, _: judge(check, next(given)))
+    found = statistics.judged_row(row, list(plan.cases[:2]), {})
+    each = [Verdict.PASS if value <= 1 else Verdict.FAIL for value in values]
+    assert [check.verdict for check in found.checks] == each
+    assert found.verdict is max(each)
+
+
+def test_each_run_gives_a_statistic_the_hash_of_its_own_frames(
+    plan: Plan, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """By it two runs that are the same count once."""
+    asked: list[Any] = []
+
+    def judged(check: Any, samples: Any) -> Any:
+        asked.extend(samples)
+        return judge(check, 1.0)
+
+    monkeypatch.setattr(statistics, "judge_statistic", judged)
+    first, second, *_ = plan.cases
+    of_a, _ = plan.statistics
+    results: Any = {
+        case.run: CaseResult(
+            case,
+            Verdict.PASS,
+            [],
+            facts=SimpleNamespace(frame_log_sha256=frames),  # type: ignore[arg-type]
+        )
+        for case, frames in ((first, "f1"), (second, "f2"))
+    }
+    statistics.judged_row(of_a, [first, second], results)
+    assert [(sample.run, sample.frames) for sample in asked] == [
+        (first.run, "f1"), (second.run, "f2"),
+    ]  # fmt: skip
