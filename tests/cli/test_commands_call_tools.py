@@ -186,6 +186,9 @@ def test_params_answers_by_its_words(
     [
         (["diff", "a"], {}, "takes two lists"), (["diff", "a", "b", "c"], {}, "takes two lists"),
         (["diff", "a", "b"], {"axis": "Z"}, "takes two lists"),
+        (["diff", "a", "b"], {"rig": Path("c")}, "takes two lists"),
+        (["diff", "a", "b"], {"assignments": ["set:Z.a=1"]}, "takes two lists"),
+        (["diff"], {}, "takes two lists"), (["write", "a", "b"], {}, "takes one rig"),
         (["known"], {}, "takes one list"), (["known", "a", "b"], {}, "takes one list"),
         (["write"], {}, "takes one rig"), (["write", "a"], {"rig": Path("b")}, "takes one rig"),
         (["kp"], {"axis": "Z"}, "belong to --rig"),
@@ -217,7 +220,9 @@ def test_series_are_exported_in_the_one_form_that_is_named(
         given: Any = {"runs": None, "into": None, "mf4": False, "csv": False, "diagnosis": False}
         data_commands.export(out, **(given | words))
         assert capsys.readouterr().out == f"{expected}\n"
-    for forms in ({}, {"mf4": True, "csv": True}, {"csv": True, "diagnosis": True}):
+    for names in ((), ("mf4", "csv"), ("csv", "diagnosis"), ("mf4", "diagnosis"),
+                  ("mf4", "csv", "diagnosis")):  # fmt: skip
+        forms = dict.fromkeys(names, True)
         given = {"runs": None, "into": None, "mf4": False, "csv": False, "diagnosis": False}
         with pytest.raises(typer.Exit) as ended:
             data_commands.export(out, **(given | forms))
