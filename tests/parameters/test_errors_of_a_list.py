@@ -107,7 +107,7 @@ def test_axes_without_a_name_are_no_choice(tmp_path: Path) -> None:
     for axis, message in (("Z", "none of them is Z"), (None, "none of them is meant")):
         with pytest.raises(UserError, match=message) as caught:
             read_list(path, "axis", axis)
-        assert caught.value.allowed == "Y"
+        assert (caught.value.allowed, caught.value.file) == ("Y", str(path))
         assert caught.value.hint == (
             "kopf.log_achs_name after kopf.achs_nr says which part belongs to which axis"
         )
@@ -146,3 +146,17 @@ def test_axes_of_a_written_list_are_apart() -> None:
     row = f"{'kopf.achs_nr':<56} {{:<16}}  # P-AXIS-00016\n"
     assert list_text(parts[0]) == "# axis parameter list\n" + row.format(3)
     assert list_text(parts) == f"# axis parameter list\n{row.format(3)}\n{row.format(4)}"
+
+
+def test_a_list_that_cannot_be_read_is_named_with_the_reason_or_what_is_near_it(
+    tmp_path: Path,
+) -> None:
+    (tmp_path / "axis.lst").touch()
+    for name, hint in (
+        ("axsi.lst", "there is no such file; near it: axis.lst"),
+        ("", "Is a directory"),
+    ):
+        path = tmp_path / name
+        with pytest.raises(UserError, match="parameter list cannot be read") as caught:
+            read_list(path, "axis")
+        assert (caught.value.file, caught.value.hint) == (str(path), hint)
