@@ -140,6 +140,8 @@ def test_a_table_is_asked_for_by_itself_or_its_folder(
     tmp_path: Path, arguments: tuple[str, ...], found: bool
 ) -> None:
     assert asked(tmp_path, "plans/p.csv", *arguments) is found
+    colon = tmp_path / "of:mine"  # as a drive of Windows has it
+    assert asked(colon, "plans/p.csv", *arguments) is found
 
 
 def test_what_the_command_line_does_not_give_counts_as_the_ini_file_says(tmp_path: Path) -> None:

@@ -183,6 +183,30 @@ def test_a_class_that_does_not_exist_has_a_hint(
     else:
         assert found.message == text
 
+    second = refused("M", tmp_path / "M.mo", f"{text} in `M.Part`", {}, LIBRARY).message
+    assert second.startswith(f"{text} in `M.Part`{hint}")  # the first name is what is missing
+
+
+@pytest.mark.parametrize(
+    ("kind", "module", "is_refused"),
+    [("PanicException", "pyo3_runtime", True), ("Other", "elsewhere", False)],
+)
+def test_a_panic_of_the_compiler_is_a_refusal_and_nothing_else_is(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, kind: str, module: str, is_refused: bool
+) -> None:
+    """It comes outside Exception, as what ends a process does."""
+    panic = type(kind, (BaseException,), {"__module__": module})
+
+    def session(_roots: list[str]) -> Any:
+        raise panic("index out of bounds")
+
+    written(tmp_path, M="model M\nend M;\n")
+    monkeypatch.setattr(ir, "_compiled_in", set())
+    monkeypatch.setattr(ir.rumoca, "Session", session)
+    monkeypatch.setattr(ir.rumoca, "validate", lambda _: [])
+    with pytest.raises(BuildError if is_refused else panic, match="index out of bounds"):
+        ir.compile_model("M", tmp_path / "M.mo", ())
+
 
 # In a process of its own
 
