@@ -104,3 +104,24 @@ def test_only_slots_of_y_are_states(states: int) -> None:
         shown(name="x", vector="y", index=0, reference=11),
     ]
     assert output_dependencies(system, made) == {10: (1, 2), 11: () if states else (2,)}
+
+
+@pytest.mark.parametrize("references", [(9, 17, 2), (40, 8, 33), (2, 9, 17)])
+def test_inputs_of_an_output_are_in_the_order_of_their_references(
+    references: tuple[int, ...],
+) -> None:
+    """FMI 3.0.2, 2.4.8: in ascending order, wherever the variables are; the time is 1."""
+    value = TIME
+    for slot in (3, 4, 5):
+        value = apply("Add", value, parameter(slot))
+    rows: dict[str, Any] = dict.fromkeys(
+        ("algebraics", "updates", "whens", "conditions", "relations", "schedules", "previous"), ()
+    )
+    runtime = [SimpleNamespace(vector="p", index=0, value=value)]
+    system: Any = SimpleNamespace(state_count=0, **rows, runtime=runtime)
+    made = [
+        *(shown(name=f"u{n}", causality="input", vector="p", index=3 + n, reference=reference)
+          for n, reference in enumerate(references)),
+        shown(name="y", vector="p", index=0, reference=50),
+    ]  # fmt: skip
+    assert output_dependencies(system, made) == {50: (1, *sorted(references))}

@@ -222,7 +222,7 @@ def test_schedules_have_their_own_numbers_and_a_grid_where_it_is_one() -> None:
 
 
 def test_a_block_that_is_searched_for_reads_its_inputs_and_unknowns_alone() -> None:
-    """y0 + y1 = p3 and y0 - y1 = 0: residuals 0, slopes 1, 1, 1, -1 at (2, 2) with p3 = 4."""
+    """y0 + y1 = p3 and y0 - y1 = 0: residuals 0 and 2, slopes 1, 1, 1, -1 at (3, 1), p3 = 4."""
     one, other, wanted = variable(0), variable(1), parameter(3)
     residuals = [apply("Sub", apply("Add", one, other), wanted), apply("Sub", one, other)]
     slopes = [ONE, ONE, ONE, const(-1.0)]
@@ -231,11 +231,11 @@ def test_a_block_that_is_searched_for_reads_its_inputs_and_unknowns_alone() -> N
     made = source(blocks=[linear, block])
     (found,) = made.block_functions()
     assert (found["number"], found["note"], made.largest_block) == (2, "a, b", 2)
-    held: dict[str, Any] = {"u": [2.0, 2.0], "input": [4.0], "residual": [9.0] * 2,
+    held: dict[str, Any] = {"u": [3.0, 1.0], "input": [4.0], "residual": [9.0] * 2,
                             "slope": [9.0] * 4}  # fmt: skip
     for line in lines_of(str(found["body"])):
         exec(line.removeprefix("const double ").rstrip(";"), {}, held)
-    assert (held["residual"], held["slope"]) == ([0.0, 0.0], [1.0, 1.0, 1.0, -1.0])
+    assert (held["residual"], held["slope"]) == ([0.0, 2.0], [1.0, 1.0, 1.0, -1.0])
     assert made.block_names() == [{"names": "c", "place": ""}, {"names": "a, b", "place": "M.mo:9"}]
     assert source().largest_block == 0
 
@@ -283,3 +283,22 @@ def test_limits_of_a_variable_are_each_there_or_not(low: float | None, high: flo
             assert text.strip("()").upper().startswith(none)
         else:
             assert float(text.strip("()")) == number
+
+
+@pytest.mark.parametrize("slave", ["fmi2.inc", "fmi3.inc"])
+@pytest.mark.parametrize(
+    ("given", "kind"),
+    [
+        ({"causality": "input", "initial": None}, "CLASS_INPUT"),
+        ({"causality": "parameter", "initial": "exact"}, "CLASS_PARAMETER"),
+        # The start of a state, whoever sees the state
+        ({"causality": "output", "initial": "exact"}, "CLASS_PARAMETER"),
+        ({"causality": "local", "initial": "exact"}, "CLASS_PARAMETER"),
+        ({"causality": "output", "initial": "calculated"}, "CLASS_OUTPUT"),
+        ({"causality": "local", "initial": "calculated"}, "CLASS_OUTPUT"),
+        ({"causality": "calculatedParameter", "initial": "calculated"}, "CLASS_OUTPUT"),
+        ({"causality": "local", "variability": "constant", "initial": "exact"}, "CLASS_OUTPUT"),
+    ],
+)
+def test_what_can_be_set_is_an_input_or_a_parameter(given: Any, kind: str, slave: str) -> None:
+    assert _row(shown(**given), slave)["class"] == kind
