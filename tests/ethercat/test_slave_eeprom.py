@@ -10,7 +10,14 @@ from tests.ethercat.esi_rules import eeprom_of
 from tests.ethercat.line import Line
 
 from axisrig.bench.drive.cia402.dictionary.profile import DriveProfile
-from axisrig.bench.drive.ethercat.description import MAILBOX_BYTES, describe
+from axisrig.bench.drive.ethercat.description import (
+    MAILBOX_BYTES,
+    Description,
+    Entry,
+    Manager,
+    Pdo,
+    describe,
+)
 from axisrig.bench.drive.ethercat.eeprom import Eeprom
 from axisrig.bench.drive.ethercat.esi import esi_text
 from axisrig.bench.drive.ethercat.node import SlaveSettings
@@ -237,3 +244,122 @@ def test_the_esi_file_of_a_drive_of_cia_402_says_its_profile() -> None:
     root = fromstring(text.partition("\n")[2])
     assert [one.text for one in root.iter("ProfileNo")] == ["402"]
     assert (len(list(root.iter("CoE"))), len(list(root.iter("SoE")))) == (1, 0)
+
+
+WRITTEN = Description(
+    serial=5,
+    managers=(Manager(0x1100, 48, 0x26, 1), Manager(0x1300, 96, 0x22, 2),
+              Manager(0x1900, 7, 0x64, 3), Manager(0x1D00, 9, 0x20, 4)),
+    rxpdos=(
+        Pdo(0x1605, "first", 2, (Entry(0x6040, 1, 16, 6, "word"), Entry(0x607A, 2, 32, 4, "way"))),
+        Pdo(0x1606, "second", None,
+            (Entry(0x6060, 3, 8, 2, "mode"), Entry(0x6040, 4, 16, 3, "word"))),
+    ),
+    txpdos=(
+        Pdo(0x1A05, "third", 3, (Entry(0x6064, 5, 32, 7, "way"), Entry(0x6061, 6, 8, 5, "mode"))),
+        Pdo(0x1A06, "first", None, ()),
+    ),
+)  # fmt: skip
+"""No two members alike, but for names that come again after others."""
+
+
+def texts_of(content: bytes) -> list[str]:
+    """By number; none has 0."""
+    data = dict(categories(content))[10]
+    texts, at = [""], 1
+    for _ in range(data[0]):
+        texts.append(data[at + 1 : at + 1 + data[at]].decode())
+        at += 1 + data[at]
+    return texts
+
+
+def test_each_pdo_and_entry_has_its_own_name_where_names_come_again() -> None:
+    """TxPDOs are category 50, RxPDOs 51; FF is no SyncManager."""
+    content = sii_content(WRITTEN)
+    texts = texts_of(content)
+    found = []
+    for kind, data in categories(content):
+        if kind in (50, 51):
+            index, count, manager, clock, name, flags = struct.unpack_from("<HBBBBH", data)
+            assert (len(data), clock, flags) == (8 + 8 * count, 0, 0)
+            entries = [
+                (entry, sub, texts[text], code, bits, rest)
+                for entry, sub, text, code, bits, rest in struct.iter_unpack("<HBBBBH", data[8:])
+            ]
+            found.append((kind, index, manager, texts[name], entries))
+    assert found == [
+        (50, 0x1A05, 3, "third", [(0x6064, 5, "way", 7, 32, 0), (0x6061, 6, "mode", 5, 8, 0)]),
+        (50, 0x1A06, 0xFF, "first", []),
+        (51, 0x1605, 2, "first", [(0x6040, 1, "word", 6, 16, 0), (0x607A, 2, "way", 4, 32, 0)]),
+        (51, 0x1606, 0xFF, "second", [(0x6060, 3, "mode", 2, 8, 0), (0x6040, 4, "word", 3, 16, 0)]),
+    ]  # fmt: skip
+    assert len(texts) == len(set(texts))
+
+
+@pytest.mark.parametrize(("is_sercos", "protocol"), [(False, 0x04), (True, 0x10)])
+def test_both_mailboxes_have_their_own_place_and_size(is_sercos: bool, protocol: int) -> None:
+    """Words 18 to 1C; the category has all four, each enabled."""
+    content = sii_content(replace(WRITTEN, is_sercos=is_sercos))
+    assert struct.unpack_from("<5H", content, 0x30) == (0x1100, 48, 0x1300, 96, protocol)
+    assert list(struct.iter_unpack("<HHBBBB", dict(categories(content))[41])) == [
+        (0x1100, 48, 0x26, 0, 1, 1),
+        (0x1300, 96, 0x22, 0, 1, 2),
+        (0x1900, 7, 0x64, 0, 1, 3),
+        (0x1D00, 9, 0x20, 0, 1, 4),
+    ]
+
+
+def test_a_description_without_mailbox_has_no_place_and_no_protocol_of_one() -> None:
+    content = sii_content(replace(WRITTEN, managers=(), coe=()))
+    assert content[0x30:0x3A] == bytes(10)
+    assert dict(categories(content))[41] == b""
+
+
+@pytest.mark.parametrize("left", [-2, 0, 2])
+def test_an_eeprom_may_be_full_to_its_last_byte(left: int) -> None:
+    """2048 bytes fit, one word more does not. Texts have 1 byte of length and are ASCII."""
+    used = 2 * 0x40 + sum(4 + len(data) for _, data in categories(sii_content(WRITTEN))) + 2
+    missing = 2048 - left - used
+    entries = (Entry(0x6040, 0, 16, 6, "word"),) * (missing // 8)
+    first = replace(WRITTEN.txpdos[1], entries=entries)
+    full = replace(
+        WRITTEN,
+        name=WRITTEN.name + "x" * (missing % 8),
+        txpdos=(WRITTEN.txpdos[0], first),
+    )
+    if left < 0:
+        with pytest.raises(ValueError, match=r"^2050 bytes of SII do not fit into 2048$"):
+            sii_content(full)
+        return
+    content = sii_content(full)
+    assert len(content) == 2048
+    assert [kind for kind, _ in categories(content[: 2048 - left])][-1] == 60
+    assert content[2046 - left :] == b"\xff" * (2 + left)
+
+
+def test_the_esi_file_has_each_member_in_its_own_width_and_type() -> None:
+    """Data types by their numbers in CiA 301; places are words, control is a byte."""
+    root = fromstring(esi_text(WRITTEN).partition("\n")[2])
+    assert [
+        (one.text, one.get("DefaultSize"), one.get("StartAddress"), one.get("ControlByte"))
+        for one in root.iter("Sm")
+    ] == [
+        ("MBoxOut", "48", "#x1100", "#x26"),
+        ("MBoxIn", "96", "#x1300", "#x22"),
+        ("Outputs", "7", "#x1900", "#x64"),
+        ("Inputs", "9", "#x1D00", "#x20"),
+    ]
+    pdos = [
+        (kind, pdo.get("Sm"), pdo.findtext("Index"), pdo.findtext("Name"),
+         [tuple(member.text for member in entry) for entry in pdo.findall("Entry")])
+        for kind in ("RxPdo", "TxPdo") for pdo in root.iter(kind)
+    ]  # fmt: skip
+    assert pdos == [
+        ("RxPdo", "2", "#x1605", "first",
+         [("#x6040", "1", "16", "word", "UINT"), ("#x607A", "2", "32", "way", "DINT")]),
+        ("RxPdo", None, "#x1606", "second",
+         [("#x6060", "3", "8", "mode", "SINT"), ("#x6040", "4", "16", "word", "INT")]),
+        ("TxPdo", "3", "#x1A05", "third",
+         [("#x6064", "5", "32", "way", "UDINT"), ("#x6061", "6", "8", "mode", "USINT")]),
+        ("TxPdo", None, "#x1A06", "first", []),
+    ]  # fmt: skip

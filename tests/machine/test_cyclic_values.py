@@ -231,6 +231,21 @@ def test_values_of_a_line_are_at_the_places_of_their_axis_in_the_image() -> None
 
 
 @pytest.mark.interpreted
+@pytest.mark.parametrize("lines", [0, 1])
+def test_lines_without_an_axis_that_is_wanted_read_no_frames(lines: int) -> None:
+    master = SimpleNamespace(
+        slaves=[SimpleNamespace(axis="X", outputs=(), inputs=())],
+        image=SimpleNamespace(places=[SimpleNamespace(outputs=0, inputs=0)]),
+    )
+    line: Any = SimpleNamespace(master=master)
+    taken: list[Any] = []
+    journal: Any = SimpleNamespace(add=taken.append, drain=lambda: None)
+    log = ValueLog({f"ec{number}": line for number in range(lines)}, {"Z"}, journal)
+    assert taken == []
+    assert log.take_columns(np.array([1]), is_last=True) == {}
+
+
+@pytest.mark.interpreted
 def test_a_telegram_that_was_taken_stays_as_it_came() -> None:
     """The buffer may be written to again."""
     taken: list[tuple[int, bytes]] = []

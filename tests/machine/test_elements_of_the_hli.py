@@ -186,4 +186,5 @@ def test_of_a_name_that_there_is_not_those_that_there_are_stand_in_their_order(
     error = missing.value
     assert isinstance(error, UnknownNameError)
     assert (error.what, error.name, error.known) == ("channel", "Q", [*names])
+    assert error.args == ("Q",)
     assert (things.get("Q"), "Q" in things) == (None, False)
