@@ -51,7 +51,7 @@ def range_values(cell: Cell) -> tuple[str, ...]:
             hint=f"the last step before it ends at {plain(nearest_end)}",
         )
     if count >= RUNS_MAX:
-        raise cell.place.error(too_many(int(count) + 1), value=cell.text)
+        raise cell.place.error(too_many(plain(count + 1)), value=cell.text)
     return tuple(plain(first + step * number) for number in range(int(count) + 1))
 
 
@@ -99,6 +99,6 @@ def number_text(value: float) -> str:
     return plain(Context(prec=_DIGITS).create_decimal(value))
 
 
-def too_many(count: int) -> str:
-    """Say that runs are too many."""
+def too_many(count: int | str) -> str:
+    """Say that runs are too many. count: as it is shown."""
     return f"{count} runs are more than {RUNS_MAX}"
