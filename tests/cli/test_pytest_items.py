@@ -25,7 +25,7 @@ from axisrig.bench.campaign.pytest_plugin import (
     has_conftest,
     is_plan,
 )
-from axisrig.bench.campaign.results.writer import CaseResult, RunFiles
+from axisrig.bench.campaign.results.writer import CaseResult, ResultsWriter, RunFiles
 from axisrig.bench.campaign.resuming import depends_sha256
 from axisrig.bench.cli.pytest_results import ResultsOfPytest, Staging
 from axisrig.bench.plan.checks import judge, parse_check
@@ -137,7 +137,7 @@ def test_a_plan_with_a_mistake_is_one_of_who_called_pytest(tmp_path: Path) -> No
 def test_a_folder_that_cannot_be_written_ends_pytest_as_aborted(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """Reports that come after it are not written, and nothing is raised for them."""
+    """Reports that come after it are not written; what was is closed, even if that fails too."""
     found = folder_of_pytest(tmp_path)
     found.pytest_xdist_node_collection_finished(["p.csv::p-a"])
     case = read_plan(tmp_path / "p.csv").cases[0]
@@ -146,7 +146,15 @@ def test_a_folder_that_cannot_be_written_ends_pytest_as_aborted(
     def full(*_: object) -> None:
         raise OSError(errno.ENOSPC, "No space left on device", "out/cases.csv")
 
+    close, closed = ResultsWriter.close, list[ResultsWriter]()
+
+    def closing(writer: ResultsWriter) -> None:
+        closed.append(writer)
+        close(writer)
+        full()
+
     monkeypatch.setattr(ResultsOfPytest, "_put", staticmethod(full))
+    monkeypatch.setattr(ResultsWriter, "close", closing)
     with pytest.raises(pytest.exit.Exception, match="No space left on device") as caught:
         found.pytest_runtest_logreport(SimpleNamespace(axisrig_outcome=packed))  # type: ignore[arg-type]
     assert caught.value.returncode == exit_code(Verdict.ABORTED) == 4
@@ -155,6 +163,7 @@ def test_a_folder_that_cannot_be_written_ends_pytest_as_aborted(
     except pytest.exit.Exception:  # it would end this run of pytest
         pytest.fail("the report after it was written")
     found.pytest_sessionfinish()
+    assert len(closed) == 1
     assert not (tmp_path / "out/report.html").exists()
 
 
