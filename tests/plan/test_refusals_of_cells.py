@@ -1,5 +1,6 @@
 """What the refusal of a cell shows: the cell or its value, what is allowed, what to write."""
 
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -157,3 +158,22 @@ def test_a_module_of_own_metrics_that_cannot_be_is_shown_at_its_place(
     assert error.message.startswith(message)
     assert (Path(str(error.file)).name, error.line) == shown[:2]
     assert (error.value, error.allowed, error.hint) == shown[2:]
+
+
+@pytest.mark.parametrize("column", [A, B])
+@pytest.mark.parametrize("is_set", [False, True])
+def test_the_error_of_a_case_has_all_of_its_parts_wherever_its_value_comes_from(
+    folder: Path, column: str, is_set: bool
+) -> None:
+    """A value of the command line has no place in the plan."""
+    path = plan_of(folder, f"case,program,rig,{A},{B},check:alarms", "a,a.nc,r.toml,1,2,none")
+    (case,) = read_plan(path).cases
+    case = replace(case, overridden=frozenset({column} if is_set else ()))
+    error = case.error("not so", column, value="x", allowed="1 to 3", hint="write 2")
+    assert (error.value, error.allowed, error.hint) == ("x", "1 to 3", "write 2")
+    if is_set:
+        assert error.message == f"--set {column}={case.inputs[column]}: not so"
+        assert (error.file, error.line, error.column) == (None, None, None)
+    else:
+        assert error.message.startswith("not so (case 'a', column ")
+        assert (error.file, error.line, error.column) == (str(path), 2, 4 + (column == B))
