@@ -121,15 +121,16 @@ def test_each_row_comes_with_the_last_of_its_own_runs(plan: Plan) -> None:
 
 
 def test_a_row_of_statistics_has_the_inputs_that_all_its_runs_share(tmp_path: Path) -> None:
-    """The second of two has another one: the row has none."""
+    """The second of two has another one: the row has none; also where only the last ones have."""
     for name in ("a.nc", "r.toml"):
         (tmp_path / name).touch()
     head = "case,program,rig,plc:V.E.FEED,plc:V.E.WAY,check:mean(latch_error_um)"
-    rows = ("two,a.nc,r.toml,[600 | 900],5,<= 1", "three,a.nc,r.toml,[600 | 300 | 900],5,<= 1")
+    rows = ("two,a.nc,r.toml,[600 | 900],5,<= 1", "three,a.nc,r.toml,[600 | 300 | 900],5,<= 1",
+            "four,a.nc,r.toml,[600 | 900],[5 | 6],<= 1")  # fmt: skip
     (tmp_path / "p.csv").write_text("\n".join([head, *rows, ""]), encoding="utf-8")
     plan = read_plan(tmp_path / "p.csv")
-    assert [len(row.runs) for row in plan.statistics] == [2, 3]
-    assert [dict(row.inputs) for row in plan.statistics] == [{"plc:V.E.WAY": "5"}] * 2
+    assert [len(row.runs) for row in plan.statistics] == [2, 3, 4]
+    assert [dict(row.inputs) for row in plan.statistics] == [{"plc:V.E.WAY": "5"}] * 2 + [{}]
 
 
 @pytest.mark.parametrize(

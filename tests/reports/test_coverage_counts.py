@@ -5,7 +5,7 @@ from typing import Any
 
 import pytest
 
-from axisrig.bench.campaign.results.stored import StoredRun
+from axisrig.bench.campaign.results.stored import IN_PLAN, StoredRun
 from axisrig.bench.record.axes import AxisRecord, DriveState
 from axisrig.bench.record.distance import Controller, DistanceChange, DistanceRecord
 from axisrig.bench.record.facts import AlarmRecord, Facts, RunFile, Timing
@@ -149,3 +149,29 @@ def test_transitions_of_distance_control_are_of_its_changes() -> None:
     head, visited, _ = lists(text, "Transitions of distance control")
     assert head == f"Transitions of distance control: 2 of {len(distance_transitions())}"
     assert set(visited) == {"INACTIVE → ACTIVE: 2", "ACTIVE → FREEZE: 2"}
+
+
+@pytest.mark.parametrize("order", [(0, 1, 2), (2, 1, 0), (1, 2, 0), (1, 0, 2)])
+def test_a_requirement_has_its_worst_verdict_wherever_that_came(order: tuple[int, ...]) -> None:
+    words = ("pass", "fail", "marginal")
+    coverage = Coverage()
+    for place in order:
+        row = {"run": "r", "verdict": words[place], "alarms": "", "requirement": "R"}
+        made = StoredRun(row, [], None, None)
+        made.__dict__["recording"] = RunFile(1, None)
+        coverage.add(made)
+    text = coverage.section()
+    assert re.findall(r"</span> (\w+)</span></td><td class=\"right\">(\d+)</td>", text) == [
+        ("fail", "3")
+    ]
+
+
+def test_a_run_that_the_plan_has_no_more_counts_for_nothing() -> None:
+    """Neither for requirements nor for alarms; beside it one that the plan has."""
+    old, now = run(alarms=str(FIRST), is_recorded=False), run(is_recorded=False)
+    old.case[IN_PLAN] = "no"
+    coverage = Coverage()
+    for one in (old, now):
+        coverage.add(one)
+    assert (dict(coverage.alarms), coverage.without_recording) == ({}, 1)
+    assert {name: len(found) for name, found in coverage.requirements.items()} == {"R": 1}

@@ -48,6 +48,11 @@ def _case(run: str = "latch-slow", tags: tuple[str, ...] = (), title: str = "") 
         "aa and (bb or not (cc and aa))",
         "((aa))",
         "not aa or bb and not (aa or cc)",
+        "aa or bb or cc",
+        "aa and bb and cc",
+        "cc or aa and bb or not cc and bb",
+        "not aa and not bb and not cc",
+        "(aa or bb or cc) and (cc or bb or not aa)",
     ],
 )
 def test_expressions_mean_what_they_mean_in_python(expression: str) -> None:
