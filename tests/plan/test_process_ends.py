@@ -153,3 +153,25 @@ def test_no_limit_is_more_than_any(monkeypatch: pytest.MonkeyPatch) -> None:
     unlimited = resource.RLIM_INFINITY
     monkeypatch.setattr(resource, "getrlimit", lambda _: (unlimited, unlimited))
     assert set(worker._limits().values()) == {sys.maxsize}
+
+
+@pytest.mark.parametrize("is_there", [True, False])
+def test_a_task_begins_with_its_order_and_has_made_no_call_yet(
+    monkeypatch: pytest.MonkeyPatch, is_there: bool
+) -> None:
+    """Its limits count from then on, whatever the process did before; none where it has gone."""
+
+    def order(_order: object) -> None:
+        if not is_there:
+            raise BrokenPipeError
+
+    monkeypatch.setattr(processes, "time", SimpleNamespace(monotonic=lambda: 100.0))
+    one: Any = SimpleNamespace(
+        inbox=SimpleNamespace(order=order), number=None, note=Path("1"), call=7, began_s=5.0,
+        call_s=6.0,
+    )  # fmt: skip
+    assert processes._Worker.order(one, 2, SimpleNamespace(note=Path("2"))) is is_there  # type: ignore[arg-type]
+    found = (one.number, one.note, one.call, one.began_s, one.call_s)
+    assert found == (
+        (2, Path("2"), 0, 100.0, 100.0) if is_there else (None, Path("1"), 7, 5.0, 6.0)
+    )
