@@ -281,6 +281,22 @@ def test_a_file_may_have_other_classes_and_may_import_some(tmp_path: Path) -> No
     assert caught.value.file == str(tmp_path / "two.py")
 
 
+def test_a_program_knows_its_file_and_may_have_records(tmp_path: Path) -> None:
+    """Their types may be texts; what lies beside the program is found by its file."""
+    path = tmp_path / "with_records.py"
+    (tmp_path / "beside.txt").write_text("7", "utf-8")
+    path.write_text(
+        "from __future__ import annotations\nfrom dataclasses import dataclass\n"
+        "from pathlib import Path\n\n\n@dataclass\nclass Record:\n    value: int = 3\n\n\n"
+        "class Program:\n    def cycle(self, inputs, hli):\n"
+        "        text = (Path(__file__).parent / 'beside.txt').read_text('utf-8')\n"
+        "        hli.ve['A'] = Record().value + int(text)\n", "utf-8"
+    )  # fmt: skip
+    hli = Hli(["Z"])
+    PlcProgram(path).cycle(Inputs(0, 0, {}), hli)
+    assert hli.ve == {"A": 10}
+
+
 def test_nothing_of_a_run_is_left_for_the_next(tmp_path: Path) -> None:
     """What a program keeps in its class or its module is new in each run; so is an edited file."""
     path, values = tmp_path / "plc.py", []
