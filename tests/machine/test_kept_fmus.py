@@ -122,10 +122,11 @@ def test_an_fmu_that_has_failed_is_loaded_anew(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     case = case_of("latch_accuracy.csv", "latch-pdo-lost")
+    in_use = set(kept_fmus._kept)  # by a machine that another test has not closed
     fresh = left(case, tmp_path)
     before = {name: kept.slave for (_, name), kept in kept_fmus._kept.items()}
     assert "doStep: error" in (broken(case, monkeypatch).error or "")
-    assert [name for _, name in kept_fmus._kept] == ["probe"]
+    assert [name for _, name in kept_fmus._kept.keys() - in_use] == ["probe"]
     assert not before["z"].pointer
     assert left(case, tmp_path) == fresh
     assert kept_fmus._kept[before["z"].path, "z"].slave is not before["z"]
