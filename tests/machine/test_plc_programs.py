@@ -297,6 +297,15 @@ def test_a_program_knows_its_file_and_may_have_records(tmp_path: Path) -> None:
     assert hli.ve == {"A": 10}
 
 
+def test_of_two_ways_to_make_a_class_the_last_one_counts(tmp_path: Path) -> None:
+    path = tmp_path / "plc.py"
+    ways = "    def __init__(self): pass\n    def __init__(self, axis): pass\n"
+    path.write_text(f"class Program:\n{ways}{IDLE}", "utf-8")
+    with pytest.raises(UserError, match=r"made without arguments: .*'axis'") as caught:
+        PlcProgram(path)
+    assert (caught.value.line, caught.value.value) == (3, "Program")
+
+
 def test_nothing_of_a_run_is_left_for_the_next(tmp_path: Path) -> None:
     """What a program keeps in its class or its module is new in each run; so is an edited file."""
     path, values = tmp_path / "plc.py", []
