@@ -130,6 +130,18 @@ def test_a_group_is_stored_and_forgotten_from_its_first_object_to_its_last(
     assert {index for index, _ in storage.stored} == set(indices) - inside
 
 
+def test_a_value_that_is_stored_anew_takes_the_place_of_the_one_before() -> None:
+    """9, then its default of 5, then 7: after a reset each time what was stored last."""
+    store = store_of(row(0x6000), row(0x6001))
+    storage = ParameterStorage(store)
+    for value in (9, 5, 7):
+        store.set_value(0x6000, 0, value)
+        storage.written(0x1010, 3, SAVE)
+        store.restore(3, 0x6000, 0x9FFF)
+        storage.apply(3, 0x6000, 0x9FFF)
+        assert (store.value(0x6000), store.value(0x6001)) == (value, 5)
+
+
 @pytest.mark.parametrize(("first", "last"), [(0x1000, 0x1FFF), (0x1FFF, 0x6000), (0x6000, 0x6000)])
 def test_what_was_stored_comes_back_from_the_first_object_to_the_last(
     first: int, last: int

@@ -149,6 +149,8 @@ def test_an_axis_that_rests_at_its_stop_touches_it(
     lasting = run_of(recorded(side, run=late, columns=columns)).lasting("Z")
     assert lasting is not None
     assert (lasting.lost_ns > 0) is is_lost
+    assert lasting.contact is not None
+    assert lasting.contact.row == (259 if is_lost else 140)
 
 
 # What counts in the ramp

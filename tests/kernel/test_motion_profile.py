@@ -61,6 +61,20 @@ def test_trapezoid_time_and_states_by_hand() -> None:
     assert profile.at(9.0) == (10.0, 0.0)
 
 
+@pytest.mark.parametrize("peak_mm_s", [20.0, 50.0, 100.0, 200.0, 260.0])
+@pytest.mark.parametrize("turned", [False, True])
+def test_a_short_way_has_the_peak_of_both_ramps_whichever_changes_first(
+    peak_mm_s: float, turned: bool
+) -> None:
+    """The way of both ramps to this speed; they change at 200 and at 50 mm/s, or at 50 and 200."""
+    pair = Slope(1000.0, 500.0, 200.0), Slope(2000.0, 400.0, 50.0)
+    up, down = reversed(pair) if turned else pair
+    profile = plan(ramp_mm(peak_mm_s, up) + ramp_mm(peak_mm_s, down), 1000.0, up, down)
+    end_s = ramp_s(peak_mm_s, up)
+    assert profile.at(end_s) == pytest.approx((ramp_mm(peak_mm_s, up), peak_mm_s), rel=1e-9)
+    assert profile.duration_s == pytest.approx(end_s + ramp_s(peak_mm_s, down), rel=1e-9)
+
+
 @pytest.mark.long
 @given(st.floats(1e-6, 1e4), speeds(), st.floats(1.0, 2e4), st.floats(1.0, 2e4))
 def test_single_step_formula(d: float, v: float, acc: float, dec: float) -> None:

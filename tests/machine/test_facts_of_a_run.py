@@ -125,6 +125,16 @@ def test_alarms_are_those_that_came_up_and_then_the_further_ones() -> None:
     assert found[0].ends_program
 
 
+@pytest.mark.parametrize(("value", "text"), [(0, "0"), (0.0, "0.0"), (-1.5, "-1.5"), ("", "")])
+def test_a_value_of_an_alarm_stays_whatever_it_is(value: object, text: str) -> None:
+    alarm = Alarm(50059, axis=value)
+    channel = SimpleNamespace(
+        alarm_ns=[3], alarms=[alarm], reactions=SimpleNamespace(further_ns=[], further=[])
+    )
+    (found,) = facts._alarms(SimpleNamespace(channel=channel))  # type: ignore[arg-type]
+    assert found.values == {"axis": text}
+
+
 def test_an_unproved_latch_is_a_note_of_its_axis() -> None:
     links: Any = {
         name: SimpleNamespace(unproved_latches=n, interpolated_latches=at_plc, doubt_mm=0.02)

@@ -134,6 +134,19 @@ def test_a_row_over_several_runs_has_how_many_these_are(mixed: Plan, tmp_path: P
     assert {run for run, (_, is_probe) in kinds.items() if is_probe} == {"s-s01", "s-s02", "s-s03"}
 
 
+def test_a_row_names_each_check_that_has_to_fail(write_plan: PlanWriter, tmp_path: Path) -> None:
+    path = write_plan(
+        "case,program,rig,expect,check:latch_error_um:Z,check:lag_mm_max:Z\n"
+        "both,probe.nc,machine.toml,fail:latch_error_um:Z lag_mm_max:Z,<= 2,<= 2\n"
+        "one,probe.nc,machine.toml,fail:lag_mm_max:Z,<= 2,<= 2\n"
+        "none,probe.nc,machine.toml,,<= 2,<= 2\n"
+    )
+    found = written(read_plan(path), tmp_path / "out")
+    assert {run: row["expected"] for run, row in found.items()} == {
+        "both": "fail:latch_error_um:Z lag_mm_max:Z", "one": "fail:lag_mm_max:Z", "none": "",
+    }  # fmt: skip
+
+
 def test_a_row_over_runs_of_several_programs_or_rigs_names_none(
     write_plan: PlanWriter, tmp_path: Path
 ) -> None:

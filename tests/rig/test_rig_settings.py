@@ -63,6 +63,16 @@ def test_set_changes_zero_offsets_and_tools(rig_file: Write, settings_of: Read) 
     assert tables.ball_radius_counts
 
 
+@pytest.mark.parametrize("whose", ["channel", "axis-z"])
+def test_a_parameter_list_that_is_no_file_is_refused_at_its_key(
+    whose: str, rig_file: Write, settings_of: Read
+) -> None:
+    path = rig_file((f'list = "lists/{whose}.lst"', 'list = "lists/none.lst" # here'))
+    with pytest.raises(UserError, match=r"the parameter list none\.lst is no file") as caught:
+        settings_of(path)
+    assert "# here" in path.read_text(encoding="utf-8").splitlines()[(caught.value.line or 0) - 1]
+
+
 def test_a_list_that_is_missing_or_wrong_is_told_with_its_place(
     rig_file: Write, settings_of: Read
 ) -> None:

@@ -125,6 +125,19 @@ def test_a_word_is_passed_over_and_the_rest_of_its_block_acts(
     assert len(moves(["#SINGLE STEP", word])) == (3 if "X5" in block else 2)
 
 
+@pytest.mark.parametrize("block", ["G25 G51 X5", "G51 G25 X5", "G1 G25 G51"])
+@pytest.mark.provokes(900100, 2, word="G51")
+def test_of_two_words_in_a_block_the_one_that_is_not_passed_over_ends_the_program(
+    plane_machine: Any, block: str
+) -> None:
+    program = parse_program(f"G0 X1\n{block}\nX2", file="own.nc", axes=XYZ)
+    machine = plane_machine(dict.fromkeys(XYZ, 0.0), None)
+    interpreter = Interpreter(program, XYZ, machine, external={})
+    interpreter.pass_over(["G25"])
+    with pytest.raises(Alarm, match="900100"):
+        list(interpreter.commands())
+
+
 def test_notes_say_what_could_be_and_what_is_passed_over() -> None:
     (could,) = check_program("#TIMER", "own.nc", XYZ).notes
     assert '[language] pass_over = ["#TIMER"]' in could.text
