@@ -6,7 +6,7 @@ import pytest
 from tests.drive_node.test_probe_bits import Bench
 from tests.drive_node.test_scaling_objects import _units
 
-CONTINUOUS_RISING = 0x13
+CONTINUOUS_RISING, CONTINUOUS_FALLING = 0x13, 0x23
 
 
 @pytest.mark.parametrize("increments", [123_457, -123_457])
@@ -39,7 +39,7 @@ def test_a_deviation_is_the_nearest_unit(deviation_m: float, expected: int) -> N
 @pytest.mark.parametrize("level", [True, False])
 def test_a_counter_of_latches_begins_anew_after_65535(number: int, level: bool) -> None:
     bench = Bench()
-    word = (CONTINUOUS_RISING if level else 0x23) << 8 * number
+    word = (CONTINUOUS_RISING if level else CONTINUOUS_FALLING) << 8 * number
     bench.at(1000, word)
     probe = bench.probe.probes[number]
     probe.latches[level].count = 0xFFFE

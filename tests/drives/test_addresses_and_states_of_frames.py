@@ -9,15 +9,6 @@ from tests.drives.test_cyclic_frames_by_hand import BRD, FPWR, FRMW, LRW, MS, OP
 
 from axisrig.kernel.drives.ethercat.master import Master
 from axisrig.kernel.drives.ethercat.settings import RegisterInputs
-from axisrig.kernel.profiles.sercos.service import (
-    Element,
-    Header,
-    Operation,
-    pack_list,
-    pack_text,
-    read_list,
-    read_text,
-)
 
 US = 1000
 
@@ -131,43 +122,3 @@ def test_each_terminal_behind_the_drives_gets_its_own_bytes(sizes: tuple[int, in
     line.back(sent[-1], image=bytes(8) + content, counter=8, answered=4)
     assert taken == [("T", content[: sizes[0]]), ("U", content[sizes[0] :])]
     assert line.master.al_states == OP
-
-
-# Service channel
-
-
-@pytest.mark.parametrize("fragments", [0, 1, 7])
-def test_a_part_of_a_message_has_the_number_of_those_that_follow(fragments: int) -> None:
-    """In place of its ident, which only the last one has."""
-    head = Header(Operation.WRITE, 0, Element.VALUE, 0x8010, fragments=fragments)
-    assert struct.unpack_from("<H", head.pack(), 2) == (fragments or 0x8010,)
-    found = Header.read(head.pack())
-    assert (found.ident, found.fragments) == ((0, fragments) if fragments else (0x8010, 0))
-
-
-@pytest.mark.parametrize(
-    ("text", "capacity", "lengths"),
-    [("abc", None, (3, 3)), ("abc", 10, (3, 10)), ("", 0, (0, 0)), ("", None, (0, 0)),
-     ("", 4, (0, 4)), ("abc", 3, (3, 3)), ("\u00e4", None, (1, 1))],
-)  # fmt: skip
-def test_a_text_has_its_length_and_the_largest_one(
-    text: str, capacity: int | None, lengths: tuple[int, int]
-) -> None:
-    data = pack_text(text, capacity)
-    assert struct.unpack_from("<HH", data) == lengths
-    assert read_text(data) == text
-
-
-def test_a_text_for_which_there_is_no_room_is_no_text() -> None:
-    """A capacity of 0 is one, not none."""
-    with pytest.raises(ValueError, match="for a length of 3 of 0"):
-        read_text(pack_text("abc", 0))
-
-
-@pytest.mark.parametrize("width", [1, 2, 4, 8])
-@pytest.mark.parametrize("signed", [True, False])
-def test_a_list_may_be_full_and_counts_its_room_in_bytes(width: int, signed: bool) -> None:
-    items = [-1, 5, -(1 << 8 * width - 1)] if signed else [1, 5, (1 << 8 * width) - 1]
-    data = pack_list(items, width, 3, signed=signed)
-    assert struct.unpack_from("<HH", data) == (3 * width, 3 * width)
-    assert read_list(data, width, signed=signed) == items

@@ -1,4 +1,6 @@
-"""Words of the profiles on their own: emergencies, images of values, frames on a wire, states."""
+"""Words of the profiles on their own: emergencies, images, EtherCAT frames and states, SERCOS."""
+
+import struct
 
 import pytest
 
@@ -6,6 +8,15 @@ from axisrig.kernel.profiles.canopen.emergency import Emergency, codes, row_of
 from axisrig.kernel.profiles.canopen.identifiers import service_of, services
 from axisrig.kernel.profiles.ethercat.layouts import received_after_ns
 from axisrig.kernel.profiles.ethercat.tables import al_status_codes, al_status_text, state_name
+from axisrig.kernel.profiles.sercos.service import (
+    Element,
+    Header,
+    Operation,
+    pack_list,
+    pack_text,
+    read_list,
+    read_text,
+)
 from axisrig.kernel.profiles.speed_drive.words import image_of, signed
 
 FAMILIES = ("conventional", "lightbus", "encoder_terminal")
@@ -126,3 +137,43 @@ def test_a_status_code_has_four_digits_and_its_meaning() -> None:
         assert "manufacturer" not in al_status_text(code)
     assert al_status_text(0x8000) == "0x8000, a code of the manufacturer"
     assert al_status_text(0x11).startswith("0x0011, ")
+
+
+# Service channel of SERCOS
+
+
+@pytest.mark.parametrize("fragments", [0, 1, 7])
+def test_a_part_of_a_message_has_the_number_of_those_that_follow(fragments: int) -> None:
+    """In place of its ident, which only the last one has."""
+    head = Header(Operation.WRITE, 0, Element.VALUE, 0x8010, fragments=fragments)
+    assert struct.unpack_from("<H", head.pack(), 2) == (fragments or 0x8010,)
+    found = Header.read(head.pack())
+    assert (found.ident, found.fragments) == ((0, fragments) if fragments else (0x8010, 0))
+
+
+@pytest.mark.parametrize(
+    ("text", "capacity", "lengths"),
+    [("abc", None, (3, 3)), ("abc", 10, (3, 10)), ("", 0, (0, 0)), ("", None, (0, 0)),
+     ("", 4, (0, 4)), ("abc", 3, (3, 3)), ("\u00e4", None, (1, 1))],
+)  # fmt: skip
+def test_a_text_has_its_length_and_the_largest_one(
+    text: str, capacity: int | None, lengths: tuple[int, int]
+) -> None:
+    data = pack_text(text, capacity)
+    assert struct.unpack_from("<HH", data) == lengths
+    assert read_text(data) == text
+
+
+def test_a_text_for_which_there_is_no_room_is_no_text() -> None:
+    """A capacity of 0 is one, not none."""
+    with pytest.raises(ValueError, match="for a length of 3 of 0"):
+        read_text(pack_text("abc", 0))
+
+
+@pytest.mark.parametrize("width", [1, 2, 4, 8])
+@pytest.mark.parametrize("signed", [True, False])
+def test_a_list_may_be_full_and_counts_its_room_in_bytes(width: int, signed: bool) -> None:
+    items = [-1, 5, -(1 << 8 * width - 1)] if signed else [1, 5, (1 << 8 * width) - 1]
+    data = pack_list(items, width, 3, signed=signed)
+    assert struct.unpack_from("<HH", data) == (3 * width, 3 * width)
+    assert read_list(data, width, signed=signed) == items

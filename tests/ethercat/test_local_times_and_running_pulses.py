@@ -17,22 +17,24 @@ START_NS = 7 * S + 123
 @pytest.mark.parametrize("offset", [0, 5 * S, -3 * S])
 @pytest.mark.parametrize("drift_ppm", [0.0, 25.0])
 def test_receive_times_are_local_ones_whatever_the_offset(offset: int, drift_ppm: float) -> None:
-    """0900 and 0918; 0910 alone is the system time (ET1100, distributed clocks)."""
+    """0900 and 0918; 0910 alone is the system time (ET1100, distributed clocks). After 10 s."""
     line = Line(settings=[SlaveSettings(1, start_ns=START_NS, drift_ppm=drift_ppm)])
     line.one(APWR, 0, 0x0920, struct.pack("<Q", offset % (1 << 64)))
-    now_ns = line.clock.now_ns
+    line.clock.run_until(10 * S)
     line.one(BWR, 0, 0x0900, bytes(4))
+    frame_ns = line.clock.now_ns - 10 * S
     port_0 = line.one(APRD, 0, 0x0900, 4).number
     unit = line.one(APRD, 0, 0x0918, 8).number
     assert unit & 0xFFFF_FFFF == port_0
-    drift_ns = now_ns * drift_ppm * 1e-6
-    assert unit - START_NS - now_ns == pytest.approx(drift_ns, abs=20_000)  # a frame on the wire
+    drift_ns = round(10_000 * drift_ppm)
+    assert 0 < unit - START_NS - 10 * S - drift_ns < frame_ns < 10_000
     system = line.one(APRD, 0, 0x0910, 8).number
-    assert (system - unit - offset) % (1 << 64) < 100_000
+    passed_ns = line.clock.now_ns - 10 * S  # three frames
+    assert 0 < (system - unit - offset) % (1 << 64) < passed_ns
 
 
 @pytest.mark.parametrize("drift_ppm", [0.4, -0.4, 1.5, -1.5, 0.001, 99.999])
-def test_a_drift_is_exact_to_a_part_of_a_thousand_million(drift_ppm: float) -> None:
+def test_a_drift_is_exact_to_a_thousandth_of_a_ppm(drift_ppm: float) -> None:
     """0.4 ppm are 400 ns in a second."""
     clock = LocalClock(10, drift_ppm)
     for seconds in (1, 100):

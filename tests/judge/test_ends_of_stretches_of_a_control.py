@@ -63,13 +63,14 @@ def test_a_sine_is_known_from_two_whole_periods_on(crossings: int, is_known: boo
 
 
 def test_the_axes_leave_an_offset_what_the_pose_of_the_cycle_before_allows() -> None:
-    """Three cycles before the tool has tilted, in which it allows 0.6 % less from one to the next,
-    and the first one of a run, which has its own pose.
+    """In the last three cycles of a tilt each allows 0.6 % less than the one before.
+
+    The first cycle of a run has its own pose.
     """
     kinematic = replace(left().kinematics[0], begin_ns=0)
-    seen = limited("ECS", [GuideChange(0, "ECS")])
-    facts = replace(seen.observed.facts, kinematics=(kinematic,))
-    seen = ToolTruth(CHANNEL, Observed(facts, seen.observed.series))
+    tool = limited("ECS", [GuideChange(0, "ECS")])
+    facts = replace(tool.observed.facts, kinematics=(kinematic,))
+    tool = ToolTruth(CHANNEL, Observed(facts, tool.observed.series))
 
     def speeds(rows: Any) -> Any:
         share = np.clip((rows - KINEMATIC) / (TILTED - KINEMATIC), 0, 1)
@@ -79,9 +80,9 @@ def test_the_axes_leave_an_offset_what_the_pose_of_the_cycle_before_allows() -> 
         return np.min(of_axes, axis=1)
 
     begin = TILTED - 3
-    allowed = seen.axes_allow(begin, begin + 3)
+    allowed = tool.axes_allow(begin, begin + 3)
     assert allowed is not None
     assert allowed[:, 0] == pytest.approx(speeds(np.arange(begin - 1, begin + 2)), rel=1e-3)
-    first = seen.axes_allow(0, 2)
+    first = tool.axes_allow(0, 2)
     assert first is not None
     assert first == pytest.approx(np.tile(LIMITS["Z"], (2, 1)), rel=1e-4)

@@ -32,3 +32,5 @@ def test_the_growth_of_a_signal_that_is_noisy_at_one_end_is_right_within_its_dou
     assert found is not None
     assert found.values == len(K)
     assert abs(found.factor - 0.99) <= found.uncertainty / 2.0
+    # Noise at one end tilts ln|x| by no more than its share there, over all values
+    assert found.uncertainty < NOISE / (0.5 * 0.99 ** K[-1]) / len(K)

@@ -77,8 +77,8 @@ def test_a_row_has_the_pose_of_the_one_before_without_the_offset(begin: int, end
     """The first row of a run has its own."""
     at = np.arange(ROWS, dtype=float)
     columns = {"X.set_mm": at, "X.superposed_mm": 0.125 * (at % 3)}
-    seen = led(lambda poses: np.outer(1.0 + poses[:, 0], (0.0, 0.0, 1.0, 0.0, 0.0)), columns)
-    found = seen.axes_allow(begin, end)
+    tool = led(lambda poses: np.outer(1.0 + poses[:, 0], (0.0, 0.0, 1.0, 0.0, 0.0)), columns)
+    found = tool.axes_allow(begin, end)
     before = np.maximum(np.arange(begin, end) - 1, 0)
     per_mm = 1.0 + before - 0.125 * (before % 3)
     assert found == pytest.approx(np.array(LIMITS["Z"]) / per_mm[:, None], rel=1e-12)
@@ -86,19 +86,19 @@ def test_a_row_has_the_pose_of_the_one_before_without_the_offset(begin: int, end
 
 def test_equal_poses_are_asked_once_and_in_the_way_of_the_first_row() -> None:
     stands = {f"{axis}.{name}": np.zeros(ROWS) for axis in "XYZ" for name in NAMES}
-    seen = led(lambda poses: np.ones((len(poses), len(AXES))), stands)
-    found = seen.axes_allow(310, 330)
+    tool = led(lambda poses: np.ones((len(poses), len(AXES))), stands)
+    found = tool.axes_allow(310, 330)
     assert found is not None
     assert found.shape == (20, 2)
-    assert [len(poses) for poses in seen.asked[1]] == [1]
-    assert seen.asked[0] == [seen.observed.time_ns(310)]
+    assert [len(poses) for poses in tool.asked[1]] == [1]
+    assert tool.asked[0] == [tool.observed.time_ns(310)]
 
 
 def test_one_axis_that_carries_the_offset_alone_has_no_share() -> None:
-    seen = led(lambda poses: np.ones((len(poses), len(AXES))))
-    seen.mode = "ACS"
-    assert seen.axes_allow(100, 110) is None
-    assert seen.asked[1] == []
+    tool = led(lambda poses: np.ones((len(poses), len(AXES))))
+    tool.mode = "ACS"
+    assert tool.axes_allow(100, 110) is None
+    assert tool.asked[1] == []
 
 
 @pytest.mark.parametrize(

@@ -77,7 +77,7 @@ def test_the_weakest_slope_of_an_axis_limits_its_speed_on_an_arc(weak: str) -> N
 @pytest.mark.parametrize("shape", [TRAPEZ, SIN2])
 @pytest.mark.parametrize("motion", list(Motion))
 def test_without_a_time_of_the_curve_nothing_limits_its_jerk(shape, motion: Motion) -> None:
-    """P-AXIS-00199 = 0."""
+    """P-AXIS-00199 = 0; the list of the test has 199 ms."""
     none = axis_slopes(axis(dynamik__tr_geom=0), channel(), motion, shape)
     assert none.contour_mm_s3 == math.inf
     some = axis_slopes(axis(), channel(), motion, shape)

@@ -76,15 +76,15 @@ def test_an_end_of_a_run_stays_when_a_reset_comes_later() -> None:
 def test_the_axes_come_to_rest_once_the_set_path_has_ended_not_in_their_windows() -> None:
     """The SYNC of the rest is the first one after the path with a still encoder."""
     bench = moving(Z=5.0)
-    seen: list[bool] = []
+    reported: list[bool] = []
     rest: Any = bench.measurement._standstill
     look = rest.look
-    rest.look = lambda has_ended: seen.append(has_ended) or look(has_ended)
+    rest.look = lambda has_ended: reported.append(has_ended) or look(has_ended)
     bench.path.has_stopped = True
     bench.measurement.step()
     bench.path.has_stopped, bench.path.is_in_position = False, lambda: True
     bench.measurement.step()
-    assert seen == [True, False]
+    assert reported == [True, False]
 
 
 @pytest.mark.parametrize("programmed", [("X",), ("Y", "X")])

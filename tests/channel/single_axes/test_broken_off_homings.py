@@ -1,6 +1,6 @@
 """Several axes leave a homing that was broken off: each in its time, all before the next program.
 
-And the limits of the homing of one axis: its time, its readings, and breaking off what is over.
+Also the limits of the homing of one axis: its time, its readings, and breaking off what is over.
 """
 
 from itertools import permutations
@@ -126,7 +126,7 @@ def test_axes_of_a_group_are_homed_in_one_cycle(axes: tuple[str, ...]) -> None:
 # One axis
 
 
-def searching(drive: Drive) -> None:
+def find_home(drive: Drive) -> None:
     drive.statusword = ATTAINED | AT_REST
 
 
@@ -135,7 +135,7 @@ def test_breaking_off_a_homing_that_has_ended_changes_nothing(mode_in_pdo: bool)
     """Neither its mode is read or written again, nor its bits, nor the proof of its place."""
     drive = NotingDrive(mode_in_pdo=mode_in_pdo)
     axis, _ = homing(drive)
-    searching(drive)
+    find_home(drive)
     cycles(axis, 20 * SDO_CYCLES)
     assert axis.phase is Phase.DONE
     drive.modes.clear()
@@ -165,7 +165,7 @@ def test_what_is_found_in_time_counts_also_when_the_limit_is_over() -> None:
     axis, clock = homing(drive, S)
     cycles(axis, 4 * SDO_CYCLES + BLIND_CYCLES)
     clock.now_ns = 2 * S
-    searching(drive)
+    find_home(drive)
     cycles(axis, 1)
     assert axis.phase is Phase.PROVING
 
@@ -191,7 +191,7 @@ def test_the_start_bit_is_there_from_mode_6_until_the_home_is_found() -> None:
     shown = []
     for cycle in range(60):
         if cycle == 40:
-            searching(drive)
+            find_home(drive)
         axis.step()
         shown.append((drive.objects[0x6061], drive.mode_bits))
     assert [pair for k, pair in enumerate(shown) if not k or pair != shown[k - 1]] == [

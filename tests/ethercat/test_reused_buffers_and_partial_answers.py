@@ -13,7 +13,7 @@ from axisrig.kernel.profiles.ethercat.layouts import MailboxType
 
 @pytest.mark.parametrize("is_queued", [True, False])
 def test_a_value_is_written_as_it_was_when_it_was_asked_for(is_queued: bool) -> None:
-    """Whoever asks may use its bytes again, also while the request waits for its turn."""
+    """A caller may use its buffer again, also while the request waits for its turn."""
     asked = Asked()
     if not is_queued:
         asked.take(MailboxType.COE, coe(RESPONSE, expedited()))

@@ -1,4 +1,4 @@
-"""What invariants leave room for, what faults hide, and what is counted; recordings by hand."""
+"""Tolerances of invariants, what faults hide, and what is counted; recordings by hand."""
 
 from collections.abc import Sequence
 

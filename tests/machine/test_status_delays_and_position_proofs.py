@@ -1,4 +1,4 @@
-"""What the control knows of old status words of its drives, and what proves their places."""
+"""How old the status words of drives are, and what proves latches and positions of their links."""
 
 from types import SimpleNamespace
 from typing import Any, cast

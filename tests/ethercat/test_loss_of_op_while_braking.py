@@ -41,7 +41,7 @@ def test_a_drive_that_brakes_has_lost_its_master_too(
     assert lost == [emergency]
 
 
-def test_a_drive_without_its_axis_has_lost_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_drive_that_is_not_enabled_has_lost_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
     line = Line()
     line.op()
     lost: list[int] = []

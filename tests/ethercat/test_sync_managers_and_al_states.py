@@ -1,7 +1,4 @@
-"""SyncManagers beside those of a mailbox and an image, what a change leaves, who hears of states.
-
-And requests for information with a flag that says nothing in them.
-"""
+"""Each of the eight SyncManagers, errors and observers of AL states, a flag of SDO information."""
 
 import struct
 
@@ -20,7 +17,7 @@ AREA, SIZE = 0x1800, 4
 
 @pytest.mark.parametrize("number", range(COUNT))
 def test_each_of_the_eight_guards_its_area(number: int) -> None:
-    """Of what the master writes he reads nothing, and it is his when its last byte has come."""
+    """The master reads nothing from an area that it writes. A buffer is whole at its last byte."""
     whole: list[int] = []
     managers = SyncManagers(whole.append, whole.append, whole.append, lambda: None)
     ram = bytearray(0x2000)
@@ -49,7 +46,7 @@ def test_a_half_written_buffer_is_forgotten_with_its_area(start: int) -> None:
 
 @pytest.mark.parametrize("requested", [AlState.PREOP, AlState.SAFEOP, AlState.OP])
 def test_an_error_holds_the_state_until_it_is_acknowledged(requested: AlState) -> None:
-    """Downwards too, to INIT alone a master may go without."""
+    """Also downwards: INIT alone needs no acknowledgement."""
     states = States()
     states.machine.refuse("WATCHDOG")
     code = al_status_codes()["WATCHDOG"]
@@ -60,7 +57,7 @@ def test_an_error_holds_the_state_until_it_is_acknowledged(requested: AlState) -
     assert (states.machine.state, states.shown) == (requested, (requested, 0))
 
 
-def test_whoever_looks_at_a_slave_hears_of_each_state() -> None:
+def test_each_observer_of_a_slave_gets_each_state() -> None:
     states = States()
     heard: list[tuple[str, AlState, int]] = []
 

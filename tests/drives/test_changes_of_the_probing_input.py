@@ -155,10 +155,7 @@ def test_a_choice_without_its_object_changes_nothing(tmp_path: Path) -> None:
     assert bench.run(2, 1010, cycles=2) == 1.01
 
 
-INPUTS = (
-    HEAD + "TPDO2,1,0,0x60BA,0,32,yes,latch\nTPDO3,1,0,0x60BC,0,32,yes,\n"
-    "TPDO3,1,0,0x60FD,0,32,no,inputs\n"
-)
+INPUTS = HEAD + POSITIONS + "TPDO3,1,0,0x60FD,0,32,no,inputs\n"
 
 
 @pytest.mark.parametrize(("probe", "bit"), [(1, 16), (2, 17)])
