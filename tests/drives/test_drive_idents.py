@@ -67,15 +67,8 @@ def test_a_window_that_the_object_cannot_hold_is_no_way_to_switch_it_off(value: 
     assert caught.value.values["data_type"] == "UNS32"
 
 
-def test_a_window_of_0_in_the_drive_has_no_value_in_sercos() -> None:
-    window = drive_idents(PER_MM)[WINDOW]
-    assert not window.can_tell(_bytes(0))
-    assert window.can_tell(_bytes(1))
-    assert drive_idents(PER_MM)[TORQUE].can_tell(bytes(2))
-
-
 @pytest.mark.parametrize("per_mm", [1.0, 1000.0, 10000.0, PER_MM])
-def test_the_object_of_a_window_that_is_off_in_sercos_has_no_value_there(per_mm: float) -> None:
+def test_a_window_of_0_in_the_drive_has_no_value_in_sercos(per_mm: float) -> None:
     """0 of 6065 is the tightest window, which 0 of S-0-0159 is not; every other one has a value."""
     window = drive_idents(per_mm)[WINDOW]
     for raw, can_tell in ((0, False), (1, True), (2, True), (0xFFFFFFFF, True)):

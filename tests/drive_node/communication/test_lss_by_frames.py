@@ -278,19 +278,39 @@ def test_bit_rates_of_the_standard_table(table: int, entry: int, bit_s: int | No
     assert slave.rates == []  # only an activation changes it
 
 
+IN_ORDER = range(6)
+
+
+def _identify(slave: Slave, *places: int) -> list[str]:
+    """Send numbers of an identity by their place in 46h to 4Bh; return every answer.
+
+    Vendor, product, lowest and highest revision, lowest and highest serial number.
+    """
+    vendor, product, revision, serial = IDENTITY
+    numbers = (vendor, product, revision, revision, serial, serial)
+    return [
+        found
+        for place in places
+        for found in slave.ask(0x46 + place, *struct.pack("<I", numbers[place]))
+    ]
+
+
 @pytest.mark.parametrize("numbers", [1, 3, 5])
 def test_a_reset_ends_an_identification(numbers: int) -> None:
-    """Vendor, product, two revisions, two serial numbers: all six after the reset, or no answer."""
+    """All six numbers after the reset, or no answer."""
     slave = Slave()
-    values = (*IDENTITY[:2], IDENTITY[2], IDENTITY[2], IDENTITY[3], IDENTITY[3])
-
-    def identify(first: int, last: int) -> list[str]:
-        found: list[str] = []
-        for place in range(first, last):
-            found += slave.ask(0x46 + place, *struct.pack("<I", values[place]))
-        return found
-
-    assert identify(0, numbers) == []
+    assert _identify(slave, *IN_ORDER[:numbers]) == []
     slave.lss.reset()
-    assert identify(numbers, 6) == []
-    assert identify(0, 6) == [IDENTIFIED]
+    assert _identify(slave, *IN_ORDER[numbers:]) == []
+    assert _identify(slave, *IN_ORDER) == [IDENTIFIED]
+
+
+@pytest.mark.parametrize(
+    "places",
+    [(0, 1, 3, 2, 4, 5), (0, 1, 2, 3, 5, 4), (0, 2, 1, 3, 4, 5), (0, 1, 2, 2, 4, 5),
+     (0, 1, 2, 3, 4, 4), (1, 0, 2, 3, 4, 5)],
+)  # fmt: skip
+def test_an_identity_that_comes_out_of_turn_identifies_nobody(places: tuple[int, ...]) -> None:
+    slave = Slave()
+    assert _identify(slave, *places) == []
+    assert _identify(slave, *IN_ORDER) == [IDENTIFIED]

@@ -72,6 +72,27 @@ def test_a_life_time_that_changes_counts_from_its_write(
     assert drive.frames(0x083) == [GUARD_LOST]
 
 
+@pytest.mark.parametrize(("index", "value", "size"), [(0x100C, 30, 2), (0x100D, 3, 1)])
+def test_a_master_that_stays_away_is_missed_with_another_life_time_too(
+    stranger: Make, index: int, value: int, size: int
+) -> None:
+    """100C times 100D; only without any life time is nobody missed."""
+    drive = stranger()
+    assert drive.write(0x1017, 0, 0, 2) == 0
+    for own, (at, width) in {10: (0x100C, 2), 2: (0x100D, 1)}.items():
+        assert drive.write(at, 0, own, width) == 0
+    drive.after(0x703, remote=True)
+    drive.run_ms(25)
+    assert drive.frames(0x083) == [GUARD_LOST]
+    assert drive.write(index, 0, value, size) == 0
+    drive.run_ms(5)
+    assert drive.frames(0x083) == [GUARD_LOST]
+    assert drive.read(0x1001) & 1 << 4
+    assert drive.write(index, 0, 0, size) == 0
+    drive.run_ms(5)
+    assert drive.frames(0x083) == [GUARD_LOST, "0000000000000000"]
+
+
 def test_the_history_of_errors_is_emptied_and_what_waits_is_sent_all_the_same(
     stranger: Make,
 ) -> None:
