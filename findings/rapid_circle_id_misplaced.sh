@@ -2,9 +2,9 @@
 # abb-motion-program-exec 0.7.4 writes the synchronisation ID of a circular movement between its two points, where RAPID has no place for it.
 #
 # Two robots that move together name each synchronised movement with the same ID. RAPID has it behind the last point and before the speed: MoveL ToPoint [\ID]
-# Speed and MoveC CirPoint ToPoint [\ID] Speed (reference manual, both instructions; arguments stand in the order of the parameters). The guess: the ID before the
-# speed in both. What comes: right in MoveAbsJ, MoveJ and MoveL; in MoveC it stands behind the circle point, before the end point, so that the module is no valid RAPID as soon as one arc
-# is in it. Nothing is raised. Without sync_move all four are right.
+# Speed and MoveC CirPoint ToPoint [\ID] Speed (ABB, Technical reference manual, RAPID Instructions, MoveL and MoveC). The guess: the ID before the speed in
+# both. What comes: right in MoveAbsJ, MoveJ and MoveL; in MoveC it stands behind the circle point, before the end point, so that the module is no valid RAPID
+# as soon as one arc is in it. Nothing is raised. Without sync_move all four are right.
 set -euo pipefail
 work="$(mktemp -d)"
 trap 'rm -rf "$work"' EXIT

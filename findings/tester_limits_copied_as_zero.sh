@@ -1,8 +1,8 @@
 #!/usr/bin/env bash
 # stdfast 0.2.1 copies an STDF file of a tester with limits of 0 to 0 for every part behind the first.
 #
-# STDF V4 lets a parametric result leave out its last fields: the limits of the first result of a test then hold
-# for all others. The file below does so, as testers do: limits 1 V to 2 V with the first part, none with the
+# STDF V4 (Parametric Test Record, default data) lets a result leave out its last fields: the limits of the first
+# result of a test then hold for all others. The file below does so, as testers do: limits 1 V to 2 V with the first part, none with the
 # second. The guess: stdfast reads the left-out limits as absent, and a copy (get_records, write_stdf) says the
 # same as the file. What comes: they are read as 0.0 with an OPT_FLAG of 0, which says that the limits are valid,
 # and written so. In the copy 1.5 V stands against 0 V to 0 V. pystdf 1.4.0 reads both files and shows it.
@@ -66,6 +66,6 @@ copy.stdf
 {'RESULT': 1.25, 'OPT_FLAG': 14, 'LO_LIMIT': 1.0, 'HI_LIMIT': 2.0}
 {'RESULT': 1.5, 'OPT_FLAG': 0, 'LO_LIMIT': 0.0, 'HI_LIMIT': 0.0}
 TEXT
-venv/bin/python try.py >seen
+venv/bin/python try.py >seen 2>log || { cat log; exit 2; }
 cat seen
 diff expected seen >/dev/null || { echo "changed: expected was"; cat expected; exit 1; }

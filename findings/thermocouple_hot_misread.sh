@@ -49,6 +49,6 @@ S 1500 °C: table 15.582 mV, package -27.977 mV; table's voltage is 1500 °C
 B 1000 °C: table 4.834 mV, package 61.349 mV; table's voltage is 1000 °C
 B 1500 °C: table 10.099 mV, package 158.471 mV; table's voltage is 1500 °C
 TEXT
-venv/bin/python try.py >seen
+venv/bin/python try.py >seen 2>log || { cat log; exit 2; }
 cat seen
 diff expected seen >/dev/null || { echo "changed: expected was"; cat expected; exit 1; }

@@ -2,9 +2,9 @@
 # pyLSV2 1.8.0 alters a tool table by writing it as CSV with a decimal comma: the table for the control that follows has commas too.
 #
 # A tool table is read, written as CSV for an office program with decimal_char=",", and then written in the format of the control. The guess: the option
-# concerns the CSV file alone; rows and table of the control are as read. What comes: the rows themselves are altered in place, so that the length of
+# concerns the CSV file alone ("to a CSV file with localized decimal separator", dump_csv of pyLSV2); rows and table of the control are as read. What comes: the rows themselves are altered in place, so that the length of
 # tool 1 is +80,1234 in memory, float() refuses it, and the native table that is written afterwards has it with a comma, though a table written before the
-# CSV has the point of the table that came from the control. Nothing is said. A whole number is not touched, so that a table of both looks half right.
+# CSV has the point of the table that came from the control. Nothing is raised or printed. A whole number is not touched, so that a table of both looks half right.
 set -euo pipefail
 work="$(mktemp -d)"
 trap 'rm -rf "$work"' EXIT

@@ -1,8 +1,8 @@
 #!/usr/bin/env bash
 # pyLSV2 1.8.0 writes a tool table of a control of the newer kind with a header that its own reader refuses.
 #
-# Tables of newer controls name their version in the header, in quotes and with the word Update, and the reader takes it. The guess: a table that is read and
-# written again has the same header, or is at least read again. What comes: the version is written bare, without Update and quotes, the date and the
+# Tables of newer controls name their version in the header, in quotes and with the word Update: parse_header of pyLSV2 documents this form and reads it. The
+# guess: a table that is read and written again has the same header, or is at least read again. What comes: the version is written bare, without Update and quotes, the date and the
 # mark U are gone, and the file is refused as one of incorrect header. A table made new by NCTable(...) without a version gets the word Version and nothing behind it, and
 # is refused likewise. Only a table that was read without any version comes back.
 set -euo pipefail

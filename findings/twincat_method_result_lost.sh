@@ -1,10 +1,11 @@
 #!/usr/bin/env bash
-# pytwincatparser 0.5.6 finds no result of a TwinCAT method or property that names its access, and no length of a STRING.
+# pytwincatparser 0.5.6 finds no result of a TwinCAT method that names its access, and no length of a STRING in round brackets.
 #
-# IEC 61131-3 lets a method say PUBLIC, PROTECTED and so on before its name, and a STRING say its length. The guess: the same method with and without PUBLIC
-# has the same result type, for PUBLIC is what it is without any word. What comes: BOOL without a word, nothing (None) with PUBLIC, PROTECTED or FINAL, though
-# the access itself is found; and STRING(20) becomes STRING, which by default is of 80 characters, so that a client that lays out memory by it is 60 bytes off.
-# STRING[20], the other spelling, is kept.
+# IEC 61131-3 (third edition) lets a method have PUBLIC, PROTECTED, FINAL and so on before its name. In TwinCAT 3 (Beckhoff Information System, objects Method
+# and STRING) a method without such a word is PUBLIC, and the length of a STRING is in round or square brackets. The guess: the same method has the same result
+# type with any of these words and with none, and both spellings keep the length. What comes: BOOL without a word, nothing (None) with PUBLIC, PROTECTED or
+# FINAL, though PUBLIC and PROTECTED themselves are found; and STRING(20) becomes STRING, which by default is of 80 characters, so that a client that lays out
+# memory by it is 60 bytes off. STRING[20] is kept.
 set -euo pipefail
 work="$(mktemp -d)"
 trap 'rm -rf "$work"' EXIT

@@ -48,7 +48,7 @@ class Ticks:
         self.held.append(ticking._FORKS.locked())
         if len(self.held) > 1 or self.error is None:
             self.done.set()
-        elif self.error is not None:
+        else:
             raise self.error
 
 
@@ -75,7 +75,7 @@ def test_what_ticks_leaves_the_process_as_it_was(
 
 
 def test_a_page_is_for_the_names_of_this_machine_alone() -> None:
-    """Whatever name of somebody else leads to 127.0.0.1, with or without the right port."""
+    """Another name that leads to 127.0.0.1 (DNS rebinding), or another port, is answered by 403."""
     with serving(Scripted()) as address:
         port = int(address.rstrip("/").rpartition(":")[2])
         answers = {}

@@ -65,7 +65,7 @@ def test_the_entries_of_all_disks_count_in_the_large_form(pack: Pack, refused: R
 def test_an_entry_that_ends_behind_the_end_of_its_file_is_damage_with_a_name(
     tmp_path: Path, refused: Refused
 ) -> None:
-    """What went wrong has no words of its own then."""
+    """The exception has no text of its own: its type is shown."""
     path = tmp_path / "short.fmu"
     with zipfile.ZipFile(path, "w", zipfile.ZIP_STORED) as packed:
         packed.writestr("modelDescription.xml", DESCRIPTION)

@@ -80,6 +80,8 @@ def test_the_licence_of_a_model_is_that_of_its_author() -> None:
     assert "its licence is its author's to say" not in own
     assert "its licence is its author's to say" in other
     assert "its documentation:" not in other
+    stranger = documents(head=HEAD | {"author": "somebody"})[name].decode()
+    assert "its licence is its author's to say" in stranger
     for text in (own, other):
         assert "The files runtime.h and *.inc of the folder sources" in text
         assert "BSD-2-Clause" in text

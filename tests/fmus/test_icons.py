@@ -175,3 +175,13 @@ def test_a_line_ends_at_its_points(turned: bool) -> None:
     found = [along for along in range(-95, 100, 5) if at(*((0, along) if turned else (along, 0)))]
     assert (found[0], found[-1]) == (-50, 10)
     assert found == list(range(-50, 15, 5))
+
+
+@pytest.mark.parametrize("kind", ["Line", "Polygon"])
+def test_a_line_has_nothing_inside(kind: str) -> None:
+    at = drawn(
+        f"{kind}(points = {{{{-60, -60}}, {{60, -60}}, {{0, 60}}}}, fillColor = {{255, 0, 0}},"
+        " fillPattern = FillPattern.Solid)"
+    )
+    assert at(0, -20) == ((255, 0, 0) if kind == "Polygon" else None)
+    assert at(0, -60) is not None

@@ -236,3 +236,23 @@ def test_levels_are_named_by_the_class_in_a_file_of_its_own_packages(
     _, ir = texts(text, f"{file}.mo")
     ir.model = "Lib.Part"
     assert early_levels(ir, made) == levels
+
+
+@pytest.mark.parametrize(
+    ("given", "is_level"),
+    [
+        ({}, True), ({"elements": ("b[1]", "b[2]")}, False), ({"type": "Int32"}, False),
+        ({"vector": "y"}, False), ({"causality": "local"}, False), ({"causality": "input"}, False),
+    ],
+)  # fmt: skip
+def test_an_early_return_is_of_one_boolean_output(given: Any, is_level: bool) -> None:
+    """An array, a number, a state, an input or a local variable has no instant to report."""
+    _, ir = texts('model M\n annotation(__axisrig(returns_early = " b ,, "));\nend M;', "M.mo")
+    ir.model = "M"
+    one: Any = {"name": "b", "type": "Boolean", "vector": "p", "index": 7, "elements": ("b",)}
+    variables = [shown(**(one | given)), shown(name="a", type="Boolean", vector="p", index=3)]
+    if is_level:
+        assert early_levels(ir, variables) == [7]
+    else:
+        with pytest.raises(BuildError, match=r"^M: returns_early: b is no .*; there are a$"):
+            early_levels(ir, variables)

@@ -145,7 +145,7 @@ def test_a_full_circle_has_no_end_to_fit(corrected):
 def test_an_end_that_is_the_start_but_for_rounding_is_a_full_circle(
     clockwise: bool, off_mm: float, is_full: bool
 ) -> None:
-    """Beside the start in either direction; a nanometre is the limit, and beyond it is an arc."""
+    """Beside the start in either direction: 1e-9 mm is the limit, and beyond it is an arc."""
     turn = -math.tau if clockwise else math.tau
     for sign in (1.0, -1.0):
         words = CircleWords(clockwise, (0.0, 0.0))

@@ -72,13 +72,14 @@ def test_a_place_of_an_index_is_no_index(path: str) -> None:
         ParameterSet("axis").load(path, "A", HERE)
 
 
-@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize("kind", ["axis", "channel"])
 def test_every_path_is_found_with_its_last_index_and_not_behind_it(kind: Kind) -> None:
-    for parameter in table(kind).parameters:
-        count = parameter.path.count("[i]")
-        if not count or len(parameter.index_max) != count:
-            continue
-        for at in range(count):
+    """Lists of axes and channels have rows whose indices all have a largest value."""
+    limited = [row for row in table(kind).parameters
+               if len(row.index_max) == row.path.count("[i]") > 0]  # fmt: skip
+    assert limited
+    for parameter in limited:
+        for at in range(len(parameter.index_max)):
             last = list(parameter.index_max)
             assert table(kind).find(filled(parameter.path, last))[0] is parameter
             last[at] += 1

@@ -116,7 +116,9 @@ def test_a_run_gives_the_values_of_a_metric_of_the_user_to_the_statistics_of_its
     (tmp_path / "p.csv").write_text(text, encoding="utf-8")
     series = kept(pa.table({"time_ns": np.arange(5) * MS}))
     monkeypatch.setattr(runner, "_left_by", lambda *_: (facts(), series, 0.25))
-    for case in read_plan(tmp_path / "p.csv").cases:
+    cases = read_plan(tmp_path / "p.csv").cases
+    assert len(cases) == 2
+    for case in cases:
         result = run_case(case, RunFiles())
         (reading,) = result.samples["mean(width)"]
         assert (reading.metric.value, reading.metric.uncertainty) == (2.5, 0.125)

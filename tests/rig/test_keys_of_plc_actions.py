@@ -75,7 +75,7 @@ def test_a_moment_is_the_function_whatever_its_letters_and_its_zeros(
     """The program has it as M50, and a time after it counts from there."""
     (at,) = rules(f"plc:Z.torque_limit=100 at={text}{after}")
     assert at.moment == Moment(word, None, offset_ns)
-    (until,) = rules(f"plc:feedhold=at=M1000 until={text}{after}".replace("M1000", "M99"))
+    (until,) = rules(f"plc:feedhold=at=M99 until={text}{after}")
     assert until.until == Moment(word, None, offset_ns)
 
 

@@ -38,8 +38,9 @@ class Moving(Hand):
 
     @property
     def place(self) -> int:
-        """Increments at the edge: 2^20 a turn of 10 mm."""
-        return round(V_M_S * EDGE_NS * 1e-9 / 0.01 * (1 << 20))
+        """Increments at the edge, later by the delay of the input: 2^20 a turn of 10 mm."""
+        latch_s = (EDGE_NS + self.drive.profile.input_delay_ns) * 1e-9
+        return round(V_M_S * latch_s / 0.01 * (1 << 20))
 
 
 @pytest.mark.parametrize("ends_by", ["enable", "cancel", "interrupt"])
@@ -54,8 +55,7 @@ def test_an_edge_before_the_probe_is_switched_off_is_latched_still(ends_by: str)
     else:
         one.written(ENABLE if ends_by == "enable" else COMMAND, word(0))
     one.cycle(0, 2)
-    # The input has a delay of its own, during which the axis goes on
-    assert one.number("S-0-0130") == pytest.approx(one.place, abs=V_M_S * 50e-6 / 0.01 * (1 << 20))
+    assert one.number("S-0-0130") == one.place
     assert one.number("S-0-0409") == 0
 
 
@@ -81,8 +81,8 @@ def test_a_probe_is_armed_by_the_write_and_not_by_the_next_telegram(phase: AlSta
     assert one.number("S-0-0409") == 1
 
 
-class _Watched(FakeAxis):
-    """An axis that notes where it had been stepped to when its torque was limited."""
+class _Limited(FakeAxis):
+    """An axis that records its time when its torque is limited, and the limit."""
 
     def __init__(self) -> None:
         super().__init__()
@@ -94,10 +94,10 @@ class _Watched(FakeAxis):
 
 
 def test_a_torque_limit_acts_on_what_comes_after_it() -> None:
-    """The axis is stepped to the write under the limit of before."""
+    """Up to the instant of the write the axis is stepped under the limit before it."""
     one = Hand()
     old = one.drive
-    axis = _Watched()
+    axis = _Limited()
     one.drive = SercosDrive("Z", one.clock, axis, (None, None), old.sercos)
     one.start()
     one.cycle(FOLLOW, 8)

@@ -16,7 +16,6 @@ from axisrig.bench.tools.bus_log.canopen.bus_words import Names
 from axisrig.bench.tools.bus_log.reading.files import messages_of
 from axisrig.bench.tools.listings.alarms import alarm_listing
 from axisrig.bench.tools.listings.language import language_listing
-from axisrig.bench.tools.project.rig_from import rig_from
 from axisrig.kernel.errors import UserError, catalogue
 from axisrig.kernel.nc.text.words import commands, variables, words
 
@@ -130,22 +129,3 @@ def test_an_area_that_is_like_none_is_refused_with_each_area_once() -> None:
     assert caught.value.value == "0000000"
     areas = sorted({one.area for one in catalogue().values()})
     assert caught.value.allowed == ", ".join(areas)
-
-
-# Rigs
-
-
-@pytest.mark.parametrize("order", ["XYZ", "ZYX", "YZX"])
-def test_axes_of_a_rig_are_in_the_order_of_the_lists_that_were_given(
-    order: str, tmp_path: Path
-) -> None:
-    """Each has the node and the segment of its place."""
-    lists = [tmp_path / f"{name}.lst" for name in order]
-    for name, path in zip(order, lists, strict=True):
-        path.write_text(f"kopf.achs_nr 1\nkopf.log_achs_name {name}\n", encoding="utf-8")
-    rig = tmp_path / "rig.toml"
-    rig_from(lists, None, rig)
-    axes = settings_of(rig, []).rig.axis
-    assert [(name, one.segment, one.node_id) for name, one in axes.items()] == [
-        (name, f"can{place}", place) for place, name in enumerate(order, 1)
-    ]

@@ -309,3 +309,19 @@ def test_an_assumption_is_in_the_rig_as_it_was_said(tmp_path: Path) -> None:
     assert found == {
         "title": "machine of a.lst, b.lst", "assumed": said, "channel": {"list": "c.lst"},
     }  # fmt: skip
+
+
+@pytest.mark.parametrize("order", ["XYZ", "ZYX", "YZX"])
+def test_axes_of_a_rig_are_in_the_order_of_the_lists_that_were_given(
+    order: str, tmp_path: Path
+) -> None:
+    """Each has the node and the segment of its place."""
+    lists = [tmp_path / f"{name}.lst" for name in order]
+    for name, path in zip(order, lists, strict=True):
+        path.write_text(f"kopf.achs_nr 1\nkopf.log_achs_name {name}\n", encoding="utf-8")
+    rig = tmp_path / "rig.toml"
+    rig_from(lists, None, rig)
+    axes = settings_of(rig, []).rig.axis
+    assert [(name, one.segment, one.node_id) for name, one in axes.items()] == [
+        (name, f"can{place}", place) for place, name in enumerate(order, 1)
+    ]

@@ -61,7 +61,7 @@ def test_an_offset_of_axes_that_measure_no_more_waits_for_nothing() -> None:
 
 
 @pytest.mark.parametrize(
-    ("said", "wanted"),
+    ("command", "error_no_signal"),
     [
         ("", None),
         ("#MEAS [ERR_NO_SIGNAL=1]\n", True),
@@ -71,11 +71,11 @@ def test_an_offset_of_axes_that_measure_no_more_waits_for_nothing() -> None:
 )
 @pytest.mark.parametrize("word", ["INDP_SYN", "INDP_ASYN"])
 def test_a_run_beside_the_program_misses_its_signal_as_the_program_says(
-    said: str, wanted: bool | None, word: str
+    command: str, error_no_signal: bool | None, word: str
 ) -> None:
-    commands = run_text(f"%t\n{said}X[{word} POS=5 G90 G100 FEED=100]\nM30\n")
+    commands = run_text(f"%t\n{command}X[{word} POS=5 G90 G100 FEED=100]\nM30\n")
     (move,) = moves(commands)
-    assert (move.error_no_signal, move.measuring_type) == (wanted, 1)
+    assert (move.error_no_signal, move.measuring_type) == (error_no_signal, 1)
 
 
 def test_every_m_function_of_a_bracket_goes_to_the_plc_side() -> None:

@@ -40,7 +40,6 @@ def test_each_keyword_that_does_not_act_is_noted_where_it_stands(
         (commands()[name][word].meaning, 2, text.index(word) + 1) for word in words
     ]
     assert [shown.rpartition("[")[2] for shown, *_ in found] == [f"{word}]" for word in words]
-    assert all(word in shown for word, (shown, *_) in zip(words, found, strict=True))
 
 
 @pytest.mark.parametrize(
@@ -91,7 +90,7 @@ def test_the_first_place_of_a_word_counts_that_excludes_another_one(
     assert (caught.value.value, caught.value.column) == (word, column)
 
 
-# What a reader sees
+# What a message quotes
 
 
 @pytest.mark.parametrize(
