@@ -64,11 +64,13 @@ def test_set_changes_zero_offsets_and_tools(rig_file: Write, settings_of: Read) 
 
 
 @pytest.mark.parametrize("whose", ["channel", "axis-z"])
+@pytest.mark.parametrize("given", ["lists/none.lst", "lists"])
 def test_a_parameter_list_that_is_no_file_is_refused_at_its_key(
-    whose: str, rig_file: Write, settings_of: Read
+    whose: str, given: str, rig_file: Write, settings_of: Read
 ) -> None:
-    path = rig_file((f'list = "lists/{whose}.lst"', 'list = "lists/none.lst" # here'))
-    with pytest.raises(UserError, match=r"the parameter list none\.lst is no file") as caught:
+    """A folder is none either."""
+    path = rig_file((f'list = "lists/{whose}.lst"', f'list = "{given}" # here'))
+    with pytest.raises(UserError, match=r"the parameter list \S+ is no file") as caught:
         settings_of(path)
     assert "# here" in path.read_text(encoding="utf-8").splitlines()[(caught.value.line or 0) - 1]
 

@@ -24,6 +24,11 @@ def test_an_r_parameter_is_written_like_a_p_parameter_and_does_not_act(block: st
     assert (refused.value.id, refused.value.values["word"]) == (900100, "R[]")
 
 
+@pytest.mark.parametrize("block", ["X=R5", "X=R[5]", "P1=R5+1", "V.E.A=R5", "F=-r5"])
+def test_an_r_parameter_may_be_a_value(block: str) -> None:
+    assert noted(block) == ["R[]"]
+
+
 @pytest.mark.parametrize("letter", "XFQ")
 def test_a_value_in_brackets_and_behind_the_sign_is_one_too_many(letter: str) -> None:
     with pytest.raises(UserError, match="not in both"):

@@ -6,7 +6,7 @@ import pytest
 from tests.nc.text.test_text_refusals import refused
 
 from axisrig.kernel.nc.block import Block
-from axisrig.kernel.nc.canon import Message
+from axisrig.kernel.nc.canon import AdoptActual, Message
 
 XYZ = ("X", "Y", "Z")
 
@@ -41,6 +41,19 @@ def test_a_program_in_small_letters_is_the_same_program(run, blocks):
     if blocks.endswith("%L SUB"):
         blocks = f"%L SUB\nG0 X5\nM17\n%MAIN\n{blocks.removesuffix('%L SUB')}"
     assert commands(run, blocks.lower()) == commands(run, blocks)
+
+
+@pytest.mark.parametrize("name", ["X2_Table", "x2_table", "X2_TABLE"])
+def test_an_axis_whose_name_has_small_letters_is_meant_however_it_is_written(run, name):
+    """As an argument of a command, in a list, and as the master of a pair."""
+    axes = ("X", "X2_Table")
+    init, *_ = [
+        each for each in run(f"#CHANNEL INIT [ACTPOS AX={name}]", axes=axes)
+        if isinstance(each, AdoptActual)
+    ]  # fmt: skip
+    assert init.axes == ("X2_Table",)
+    put = run(f"#PUT AX [{name}]\n#CALL AX [{name}, 2, 1]", axes=axes)
+    assert "X2_Table" in repr(put)
 
 
 def test_a_type_in_small_letters_is_that_type(run):
