@@ -58,10 +58,10 @@ def test_a_slot_that_something_computes_may_be_read(slot: int, parts: Any) -> No
 @pytest.mark.parametrize("where", [*ROWS, "relations"])
 def test_a_slot_that_nothing_computes_is_refused_at_its_equation(where: str) -> None:
     """p[5] is what a condition was before that is no clock; p[14] is y[14] in the other vector."""
-    for slot, parts in ((5, {}), (7, {}), (14, {"conditions": [Row("y", 14, TIME, None)]})):
-        given: Any = parts if where != "conditions" or slot != 14 else {}
+    other: dict[str, Any] = {"conditions": [Row("y", 14, TIME, None)]}
+    for slot, parts in ((5, {}), (7, {}), (14, other)):
         with pytest.raises(BuildError, match="an internal value of the compiler") as error:
-            checked(slot, where, **given)
+            checked(slot, where, **parts)
         assert (error.value.file, error.value.line) == ("M.mo", 7)
 
 

@@ -3,6 +3,7 @@
 Frames are written by CiA 301 and ETG.1000.4, captures by the IETF draft of pcapng.
 """
 
+import logging
 from pathlib import Path
 
 import pytest
@@ -81,6 +82,27 @@ def test_a_capture_of_another_link_is_refused_with_its_file_and_what_is_allowed(
         list(messages_of([path]))
     found = caught.value
     assert (found.file, found.value, found.allowed) == (str(path), link, "227 (SocketCAN)")
+
+
+CANDUMP = "(0.001000) can0 081#0102030405060708\n"
+
+
+@pytest.mark.parametrize("is_cut", [False, True])
+def test_who_reads_a_log_leaves_the_warnings_of_other_readers_as_they_were(
+    is_cut: bool, tmp_path: Path
+) -> None:
+    """A frame that a reader leaves out is an error here alone, also where the log is damaged."""
+    path = tmp_path / "a.log"
+    path.write_text(CANDUMP + "(0.002000) can0 08" * is_cut, encoding="utf-8")
+    reader = logging.getLogger("can.io")
+    before = list(reader.handlers)
+    if is_cut:
+        with pytest.raises(UserError, match="the last line is cut") as refused:
+            list(messages_of([path]))
+        assert refused.value.line == 2
+    else:
+        assert [message.arbitration_id for message in messages_of([path])] == [0x81]
+    assert reader.handlers == before
 
 
 # Listings

@@ -1,15 +1,17 @@
 """A measuring run of `axisrig tune` around its machine: blocks, what is kept, how it may end."""
 
+import math
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
 
+import numpy as np
 import pytest
 
 from axisrig.bench.machine.machine import SimulatedTimeoutError
 from axisrig.bench.record.series import SECOND, TARGET
 from axisrig.bench.tools.tune import measure
-from axisrig.bench.tools.tune.measure import Bench, _run
+from axisrig.bench.tools.tune.measure import Bench, _Log, _run
 from axisrig.kernel.cosim.fmi.fmu import PlantError
 from axisrig.kernel.errors import UserError
 from axisrig.kernel.time.clock import MS
@@ -119,3 +121,28 @@ def test_an_alarm_that_ends_the_program_is_named_and_a_warning_is_not(
         _run(Bench(RIG, "Z", None, ()), {}, BLOCKS)
     assert caught.value.file == str(RIG)
     assert machine.made[-1].is_closed
+
+
+@pytest.mark.parametrize("is_distance", [True, False])
+def test_each_cycle_with_a_sensor_value_is_kept_also_one_at_zero(is_distance: bool) -> None:
+    """The distance is the negative of the sensor value; without a set value there is NaN."""
+    log = _Log("Z", is_distance)
+    for sensor_mm, set_dist_mm, set_pos_mm in (
+        (None, 1.0, 2.0), (-3.0, 1.0, 2.0), (0.0, None, 4.0), (0.5, 5.0, None), (None, 6.0, 6.0),
+    ):  # fmt: skip
+        control = SimpleNamespace(set_dist_mm=set_dist_mm, set_pos_mm=set_pos_mm, offset_mm=0.1)
+        axes = {
+            "X": SimpleNamespace(sensor_mm=9.0, control=None),
+            "Z": SimpleNamespace(sensor_mm=sensor_mm, control=control),
+        }
+        links = [SimpleNamespace(name=n, set_mm=place, actual_mm=place + 0.25)
+                 for n, place in (("X", 8.0), ("Z", 7.0))]  # fmt: skip
+        channel: Any = SimpleNamespace(distance=SimpleNamespace(axes=axes), links=links)
+        log(channel)
+    found = log.signals()
+    assert list(found.distance_mm) == [3.0, 0.0, -0.5]
+    wanted = [1.0, math.nan, 5.0] if is_distance else [2.0, 4.0, math.nan]
+    np.testing.assert_array_equal(found.wanted_mm, wanted)
+    assert {*found.set_mm} == {7.0}
+    assert {*found.actual_mm} == {7.25}
+    assert {*found.offset_mm} == {0.1}

@@ -10,7 +10,7 @@ from tests.tune.test_findings import ADVICE, found, mode
 
 from axisrig.bench.tools.tune.distance import BOTH_ENCODERS, CONST_DIST, SET_POS, Trial, Tuning
 from axisrig.bench.tools.tune.identify import Path
-from axisrig.bench.tools.tune.loop import Law
+from axisrig.bench.tools.tune.loop import Law, Loop
 from axisrig.bench.tools.tune.picture import _bode, _path, _steps, draw, kind_of
 from axisrig.kernel.errors import UserError
 
@@ -137,3 +137,15 @@ def test_a_picture_is_the_same_each_time(tmp_path: File) -> None:
     assert first == second
     assert "CONST_DIST, both encoders, axis Z of rig.toml" in first
     assert "as configured" in first
+
+
+@pytest.mark.parametrize("cycles", [1, 4, 9])
+def test_the_phase_of_an_open_loop_goes_on_falling_with_its_dead_time(cycles: int) -> None:
+    """L = kp q^-n/(1 - q^-1) as configured: -90 degrees + w/2 - n w, without a jump at -180."""
+    made = tuned()
+    late = Loop(1e-3, np.eye(1, cycles + 1, cycles)[0], np.array([1.0]))
+    made = replace(made, modes=tuple(replace(mode, loop=late) for mode in made.modes))
+    gain, phase = Axes(), Axes()
+    _bode(gain, phase, made)
+    angles = 2 * np.pi * phase.lines[0][1] * 1e-3
+    assert phase.lines[0][2] == pytest.approx(-90.0 + np.degrees(angles) * (0.5 - cycles))

@@ -1,7 +1,5 @@
-"""Ends of a known motion, a terminal with several probes, and warnings after a log was read."""
+"""Parts of a budget: the way up to the first and last SYNC, and the probe of a terminal."""
 
-import logging
-from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
 
@@ -9,8 +7,6 @@ import pytest
 from tests.tools.test_budget_closed_forms import moved_um, seen, track
 
 from axisrig.bench.tools.budget.causes import probe_of, terminal_probe
-from axisrig.bench.tools.bus_log.reading.files import messages_of
-from axisrig.kernel.errors import UserError
 
 
 @pytest.mark.parametrize("at_ms", [-2.0, -1.999, 5.5, 6.0])
@@ -49,24 +45,3 @@ def test_the_probe_of_a_terminal_is_that_at_its_first_input(wired: tuple[str, ..
     task.terminal = None  # type: ignore[assignment]
     assert terminal_probe(settings) is None
     assert probe_of(settings, "Z") == ""
-
-
-CANDUMP = "(0.001000) can0 081#0102030405060708\n"
-
-
-@pytest.mark.parametrize("is_cut", [False, True])
-def test_who_reads_a_log_leaves_the_warnings_of_other_readers_as_they_were(
-    is_cut: bool, tmp_path: Path
-) -> None:
-    """A frame that a reader leaves out is an error here alone, also where the log is damaged."""
-    path = tmp_path / "a.log"
-    path.write_text(CANDUMP + "(0.002000) can0 08" * is_cut, encoding="utf-8")
-    reader = logging.getLogger("can.io")
-    before = list(reader.handlers)
-    if is_cut:
-        with pytest.raises(UserError, match="the last line is cut") as refused:
-            list(messages_of([path]))
-        assert refused.value.line == 2
-    else:
-        assert [message.arbitration_id for message in messages_of([path])] == [0x81]
-    assert reader.handlers == before
