@@ -117,3 +117,41 @@ def test_every_table_has_a_rectangular_form(table: Path) -> None:
     assert len(rows) > 1
     assert len(set(rows[0])) == len(rows[0])
     assert {len(row) for row in rows} == {len(rows[0])}
+
+
+def _always_true(line: str) -> bool:
+    """Whether `assert a == b if c else [d]` stands for a value, not for a comparison, in a case."""
+    try:
+        (statement,) = ast.parse(line.strip()).body
+    except SyntaxError:
+        return False  # it goes on in the next line
+    test = statement.test if isinstance(statement, ast.Assert) else None
+    values = ast.List | ast.Tuple | ast.Dict | ast.Set | ast.Constant
+    return isinstance(test, ast.IfExp) and any(
+        isinstance(part, values) for part in (test.body, test.orelse)
+    )
+
+
+@pytest.mark.parametrize(
+    ("line", "is_one"),
+    [
+        ("assert a == b if c else [d]", True),
+        ("assert [d] if c else a == b", True),
+        ("assert a == (b if c else [d])", False),
+        ("assert a == b if c else d == e", False),
+    ],
+)
+def test_an_assert_that_is_a_value_in_one_case_is_found(line: str, is_one: bool) -> None:
+    assert _always_true(line) is is_one
+
+
+def test_every_assert_of_a_choice_can_fail_on_both_sides() -> None:
+    choice = re.compile(r"^ *assert .* if .* else .*$", re.MULTILINE)
+    texts = {path: path.read_text(encoding="utf-8") for path in (ROOT / "tests").rglob("*.py")}
+    found = {
+        str(path.relative_to(ROOT)): line.strip()
+        for path, text in texts.items()
+        for line in choice.findall(text)
+        if _always_true(line)
+    }
+    assert found == {}

@@ -210,7 +210,7 @@ def test_a_live_view_is_shown_where_it_is_asked_for(
     assert call("run", "a.csv", *options) == 0
     watch = asked["watch"]
     with watch.beside("progress"):
-        assert opened == ["progress"] if live is None else [live, "progress"]
+        assert opened == (["progress"] if live is None else [live, "progress"])
     assert watch.live == (None if live is None else Path("pipe"))
 
 

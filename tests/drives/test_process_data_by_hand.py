@@ -160,7 +160,7 @@ def test_a_status_word_is_looked_at_wherever_it_is_in_its_telegram(tmp_path: Pat
         pdos.wire._bring(0x183, struct.pack("<iH", place, word))
         found = known(pdos.take())
         assert found == ({"actual": place, "statusword": word} if is_good else {})
-        assert [each[0] for each in pdos.alarms()] == [] if is_good else [WRONG_STATE]
+        assert [each[0] for each in pdos.alarms()] == ([] if is_good else [WRONG_STATE])
 
 
 def test_the_cause_is_that_of_the_last_cycle() -> None:

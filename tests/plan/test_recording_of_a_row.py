@@ -194,6 +194,25 @@ def test_a_judged_run_names_its_recording_with_the_sums_of_its_files(
     )  # fmt: skip
 
 
+def test_a_run_that_is_judged_again_has_the_metrics_of_the_module_of_its_case(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Those of its own checks, and those that statistics over its runs ask for."""
+    asked: list[Any] = []
+    monkeypatch.setattr(rejudge, "Series", lambda path: f"series of {path}")
+    monkeypatch.setattr(rejudge, "Observed", lambda *what: what)
+    monkeypatch.setattr(
+        rejudge, "judged", lambda *what, module: asked.append(module) or (Verdict.PASS, [])
+    )
+    monkeypatch.setattr(rejudge, "sampled", lambda *what, module: {"of": (*what, module)})
+    run: Any = SimpleNamespace(judged_facts=facts(), trace="t.parquet")
+    own: Any = replace(case(), module="own", sampled=("mean(width)",))  # type: ignore[arg-type]
+    result = rejudge._judge(run, own)
+    observed = (run.judged_facts, "series of t.parquet")
+    assert asked == ["own"]
+    assert result.samples == {"of": (observed, ("mean(width)",), "own")}
+
+
 def test_a_judged_row_finds_the_files_of_the_run_that_was_recorded() -> None:
     assert run_of("p-a", **{RECORDING: "q-a"}).recorded == "q-a"
     assert run_of("p-a", **{RECORDING: ""}).recorded == run_of("p-a").recorded == "p-a"
