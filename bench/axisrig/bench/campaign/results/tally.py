@@ -74,6 +74,8 @@ def _many(count: int, one: str, several: str) -> str:
 def outcome_words(verdicts: Mapping[Verdict, int], planned: int) -> str:
     """Say how many rows did not pass, and whether all of them ran: `1 of 4 failed; all 4 ran`."""
     done = sum(verdicts.values())
+    if not done:
+        return f"none of {planned} ran" if planned else "nothing ran"
     bad = [f"{verdicts[one]} {words}" for one, words in _WORDS.items() if verdicts.get(one)]
     if bad:
         first, *others = bad
