@@ -22,6 +22,7 @@ from axisrig.bench.plan.plan import read_plan
 from axisrig.fmus import ensure_built
 from axisrig.kernel.cosim.fmi.fmu import FmuSlave, PlantError
 from axisrig.kernel.cosim.fmi.steps import StepsInARow
+from axisrig.kernel.errors import UserError
 from axisrig.kernel.nc.text.parser import read_program
 from axisrig.kernel.time.clock import MS
 
@@ -138,6 +139,16 @@ def used(slave: FmuSlave) -> FmuSlave:
     slave.step_to(MS)
     close_fmus([slave])
     return slave
+
+
+def test_a_variable_that_is_none_is_refused_with_file_and_instance() -> None:
+    path = ensure_built(AXIS)
+    axis = take_fmu(path, "z")
+    with pytest.raises(UserError) as refused:
+        axis.variable("positon")
+    assert f"FMU {path.name} (instance z) has no such variable" in str(refused.value)
+    assert "position" in str(refused.value)
+    used(axis)
 
 
 def test_an_instance_is_handed_out_once_and_as_new() -> None:
