@@ -38,6 +38,18 @@ def stored(case: Case, **other: str) -> StoredRun:
     return StoredRun({**cells, **case.inputs, **other}, [], None, None)
 
 
+def asked_samples(patch: pytest.MonkeyPatch) -> list[Any]:
+    """The samples that statistics are asked for from now on; each has the value 1."""
+    asked: list[Any] = []
+
+    def judged(check: Any, samples: Any) -> Any:
+        asked.extend(samples)
+        return judge(check, 1.0)
+
+    patch.setattr(statistics, "judge_statistic", judged)
+    return asked
+
+
 def rows_of(
     plan: Plan,
     called: list[Case],
@@ -176,13 +188,7 @@ def test_a_run_without_a_verdict_or_a_recording_gives_a_statistic_its_reason(
     plan: Plan, monkeypatch: pytest.MonkeyPatch, verdict: Verdict, has_values: bool, words: str
 ) -> None:
     """A run that failed has its value all the same."""
-    asked: list[Any] = []
-
-    def judged(check: Any, samples: Any) -> Any:
-        asked.extend(samples)
-        return judge(check, 1.0)
-
-    monkeypatch.setattr(statistics, "judge_statistic", judged)
+    asked = asked_samples(monkeypatch)
     first, second, *_ = plan.cases
     of_a, _ = plan.statistics
     samples = {of_a.checks[0].metric: [5.0]} if has_values else {}
@@ -291,13 +297,7 @@ def test_each_run_gives_a_statistic_the_hash_of_its_own_frames(
     plan: Plan, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """By it two runs that are the same count once."""
-    asked: list[Any] = []
-
-    def judged(check: Any, samples: Any) -> Any:
-        asked.extend(samples)
-        return judge(check, 1.0)
-
-    monkeypatch.setattr(statistics, "judge_statistic", judged)
+    asked = asked_samples(monkeypatch)
     first, second, *_ = plan.cases
     of_a, _ = plan.statistics
     results: Any = {

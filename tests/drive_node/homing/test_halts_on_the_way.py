@@ -8,6 +8,8 @@ from homing_machine import (
     ATTAINED,
     CAM,
     ERROR,
+    GO_ON,
+    HALT,
     LATE_MM,
     LIMITED,
     REACHED,
@@ -15,13 +17,13 @@ from homing_machine import (
     UNITS_PER_MM,
     Bench,
     bench_for,
+    found_after_halt_mm,
 )
 
 SPEED_MM_S, RATE_MM_S2 = 20.0, 160.0
 """Both 6099, and 609A and 6084: v2/2a = 1.25 mm."""
 LATE = LATE_MM * SPEED_MM_S / SLOW
 LOW_MM, HIGH_MM = CAM
-HALT, GO_ON = 0x11F, 0x1F
 
 
 def gentle(bench: Bench) -> Bench:
@@ -47,17 +49,6 @@ def halted(bench: Bench, method: int, at_mm: float, direction: int) -> float:
     bench.run_ms(200)
     assert bench.bits == REACHED
     return bench.place_mm
-
-
-def found_mm(bench: Bench) -> float:
-    """Let it go on to the end; return where home is."""
-    bench.write(controlword=GO_ON)
-    for _ in range(500):
-        bench.run_ms(10)
-        if bench.bits & REACHED:
-            break
-    assert bench.bits == ATTAINED | REACHED
-    return bench.place_mm - bench.image.position_actual / UNITS_PER_MM
 
 
 # Method: start, place and direction of the halt, home; it rests a millimetre further
@@ -90,7 +81,7 @@ def test_an_edge_that_was_passed_while_braking_is_approached_anew(name: str) -> 
     bench = gentle(bench_for(method, start_mm))
     rests_mm = halted(bench, method, at_mm, direction)
     assert (rests_mm - home_mm) * direction > 0.5
-    assert found_mm(bench) == pytest.approx(home_mm, abs=LATE)
+    assert found_after_halt_mm(bench) == pytest.approx(home_mm, abs=LATE)
 
 
 @pytest.mark.parametrize(
@@ -107,7 +98,7 @@ def test_homing_that_rests_before_the_edge_goes_on_to_it(
 ) -> None:
     bench = gentle(bench_for(method, start_mm))
     assert LOW_MM < halted(bench, method, at_mm, direction) < HIGH_MM
-    assert found_mm(bench) == pytest.approx(home_mm, abs=LATE)
+    assert found_after_halt_mm(bench) == pytest.approx(home_mm, abs=LATE)
 
 
 @pytest.mark.parametrize(
@@ -126,7 +117,7 @@ def test_a_zero_pulse_that_was_passed_while_braking_is_still_the_one(
     bench = gentle(bench_for(method, start_mm))
     rests_mm = halted(bench, method, at_mm, direction)
     assert (rests_mm - home_mm) * direction > 0.5
-    assert found_mm(bench) == pytest.approx(home_mm, abs=1.01 / UNITS_PER_MM)
+    assert found_after_halt_mm(bench) == pytest.approx(home_mm, abs=1.01 / UNITS_PER_MM)
 
 
 @pytest.mark.parametrize(
@@ -139,7 +130,7 @@ def test_without_a_switch_a_zero_pulse_that_was_passed_while_braking_is_still_th
     bench = gentle(Bench(start_mm))
     rests_mm = halted(bench, method, at_mm, direction)
     assert (rests_mm - home_mm) * direction > 0.0
-    assert found_mm(bench) == pytest.approx(home_mm, abs=1.01 / UNITS_PER_MM)
+    assert found_after_halt_mm(bench) == pytest.approx(home_mm, abs=1.01 / UNITS_PER_MM)
 
 
 @pytest.mark.parametrize(("method", "direction", "home_mm"), [(34, 1, 12.5), (33, -1, 2.5)])
@@ -153,7 +144,7 @@ def test_without_a_switch_nothing_goes_back_where_no_zero_pulse_was_passed(
         bench.run_ms(5)
         assert (bench.place_mm - place_mm) * direction > -0.001
         place_mm = bench.place_mm
-    assert found_mm(bench) == pytest.approx(home_mm, abs=1.01 / UNITS_PER_MM)
+    assert found_after_halt_mm(bench) == pytest.approx(home_mm, abs=1.01 / UNITS_PER_MM)
 
 
 def test_the_way_back_to_a_zero_pulse_may_be_halted_and_passes_another_one_by() -> None:
@@ -183,7 +174,7 @@ def test_the_way_back_to_a_zero_pulse_may_be_halted_and_passes_another_one_by() 
     bench.run_ms(70)
     assert bench.bits == REACHED
     assert bench.place_mm < 2.4
-    assert found_mm(bench) == pytest.approx(12.5, abs=1.01 / UNITS_PER_MM)
+    assert found_after_halt_mm(bench) == pytest.approx(12.5, abs=1.01 / UNITS_PER_MM)
     bench.write(controlword=0x0F)
     bench.run_ms(10)
     bench.home(33)  # a new start looks from where it is
@@ -201,7 +192,7 @@ def test_the_zero_pulse_before_a_stop_is_looked_for_from_the_stop_again(
     bench = gentle(Bench(start_mm, homing_torque=300, homing_stop_ms=20, **ends))
     rests_mm = halted(bench, method, at_mm, direction)
     assert (rests_mm - 2.5) * direction > 0.1
-    assert found_mm(bench) == pytest.approx(2.5, abs=1.01 / UNITS_PER_MM)
+    assert found_after_halt_mm(bench) == pytest.approx(2.5, abs=1.01 / UNITS_PER_MM)
 
 
 @pytest.mark.long
@@ -216,7 +207,7 @@ def test_a_cam_that_was_run_over_is_passed_once_more_on_the_way_back() -> None:
     bench.write(controlword=HALT)
     bench.run_ms(900)
     assert bench.place_mm > HIGH_MM
-    assert found_mm(bench) == pytest.approx(LOW_MM, abs=LATE)
+    assert found_after_halt_mm(bench) == pytest.approx(LOW_MM, abs=LATE)
 
 
 @pytest.mark.long
@@ -232,7 +223,7 @@ def test_homing_may_be_halted_again_and_again() -> None:
         bench.run_ms(200)
         assert bench.bits == REACHED
         assert bench.place_mm > place_mm
-    assert found_mm(bench) == pytest.approx(HIGH_MM, abs=LATE)
+    assert found_after_halt_mm(bench) == pytest.approx(HIGH_MM, abs=LATE)
     assert bench.image.statusword & (ERROR | LIMITED) == 0
 
 

@@ -6,6 +6,8 @@ import pytest
 from homing_machine import (
     ATTAINED,
     ERROR,
+    GO_ON,
+    HALT,
     LATE_MM,
     REACHED,
     SLOW,
@@ -13,10 +15,10 @@ from homing_machine import (
     Axis,
     Bench,
     Switch,
+    found_after_halt_mm,
 )
 
 LOW_MM, HIGH_MM = 12.0, 12.3
-HALT, GO_ON = 0x11F, 0x1F
 LATE = LATE_MM * 20.0 / SLOW
 
 
@@ -41,16 +43,6 @@ def passes(bench: Bench, place_mm: float, direction: int) -> None:
     pytest.fail("it was not there")
 
 
-def found_mm(bench: Bench) -> float:
-    bench.write(controlword=GO_ON)
-    for _ in range(80):
-        bench.run_ms(5)
-        if bench.bits & REACHED:
-            break
-    assert bench.bits == ATTAINED | REACHED
-    return bench.place_mm - bench.image.position_actual / UNITS_PER_MM
-
-
 @pytest.mark.parametrize(
     ("method", "start_mm", "first_mm", "direction", "home_mm"),
     [(24, 11.6, LOW_MM, 1, LOW_MM), (28, 12.7, HIGH_MM, -1, HIGH_MM)],
@@ -68,7 +60,7 @@ def test_a_narrow_cam_that_was_run_over_is_passed_once_more_on_the_way_back(
     assert bench.bits == REACHED
     beyond_mm = HIGH_MM if direction > 0 else LOW_MM
     assert (bench.place_mm - beyond_mm) * direction > 0.05
-    assert found_mm(bench) == pytest.approx(home_mm, abs=LATE)
+    assert found_after_halt_mm(bench) == pytest.approx(home_mm, abs=LATE)
 
 
 @pytest.mark.parametrize(
@@ -98,7 +90,7 @@ def test_an_axis_beyond_its_edge_turns_back_to_it_at_once(
     assert all((place_mm - rests_mm) * direction <= 1e-3 for place_mm in travelled_mm)
     assert (travelled_mm[-1] - rests_mm) * direction < -0.1
     if method in (26, 30):
-        assert found_mm(bench) == pytest.approx(edge_mm, abs=LATE)
+        assert found_after_halt_mm(bench) == pytest.approx(edge_mm, abs=LATE)
 
 
 class Sticking(Axis):
